@@ -1,0 +1,50 @@
+// Stages 0 and 9: files -> DomainInput or Mesh, and results -> files. Formats are described in docs/formats.md.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <variant>
+
+#include "voropack/domain.h"
+#include "voropack/dual.h"
+#include "voropack/mesh.h"
+#include "voropack/observer.h"
+
+namespace voropack {
+
+/// A domain of either dimension, as the file says.
+using AnyDomainInput = std::variant<DomainInput<2>, DomainInput<3>>;
+/// A mesh of either dimension, as the file says.
+using AnyMesh = std::variant<Mesh<2>, Mesh<3>>;
+
+/// Reads a domain by extension: .poly (Triangle or TetGen, told apart by the dimension in its header), .smesh, .node
+/// (points only: their convex hull is not taken; they are isolated points), .off, .stl (text or binary), .obj, .ply
+/// (text or binary). Throws: InputError io.cannot_open, io.truncated, io.bad_number, io.bad_count, io.bad_index,
+/// io.not_finite, io.unknown_format, ...
+///         each with file and line (or byte offset for binary) and how to mend it. Counts are checked against the
+///         file's size before memory is reserved.
+AnyDomainInput read_domain(const std::filesystem::path& path, Observer& observer = silent_observer());
+
+/// Reads a mesh by extension: .node (with .ele and, where present, .face, .edge) or .vtu. Orientation is made positive;
+/// neighbors are built; hull faces that no file lists are added with marker 0.
+AnyMesh read_mesh(const std::filesystem::path& path, Observer& observer = silent_observer());
+
+/// Writes a mesh by extension: .node (with .ele and .face, .edge) or .vtu. Each file is written beside its place and
+/// renamed, so that an interrupted or failed run leaves nothing half-written. Missing parent folders are made. Throws:
+/// InputError io.cannot_write (disk full, no permission), OptionError io.unknown_format.
+template <int D>
+void write_mesh(const Mesh<D>& mesh, const std::filesystem::path& path);
+
+/// Writes control volumes as .vtu polyhedra (VTK type 42) or polygons (type 7) with cell arrays `site`, `volume`,
+/// `region`.
+template <int D>
+void write_cells(const CellShapes<D>& shapes, const ControlVolumes<D>& volumes, const std::filesystem::path& path);
+
+/// Writes a 2D mesh with its Voronoi cells as SVG.
+void write_svg(const Mesh<2>& mesh, const CellShapes<2>& shapes, const ControlVolumes<2>& volumes,
+               const std::filesystem::path& path);
+
+/// Writes text whole or not at all: beside its place, then renamed.
+void write_text(const std::string& text, const std::filesystem::path& path);
+
+}  // namespace voropack

@@ -1,0 +1,93 @@
+// Stage 3: pack the domain with f-spheres, points first, then segments, facets and volumes. Their centers become the
+// vertices.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "voropack/domain.h"
+#include "voropack/index.h"
+#include "voropack/observer.h"
+#include "voropack/spacing.h"
+#include "voropack/vec.h"
+
+namespace voropack {
+
+/// Which of the three relaxed forms of maximality a packing has ([Miller1996], end of section 3).
+enum class PackingForm : std::uint8_t {
+  kVoronoi,   ///< No circumcenter of the Delaunay triangulation can be added.
+  kMaximal,   ///< Every ball of radius epsilon * f holds a point that cannot be added; made by darts into active cells.
+  kFiltered,  ///< The same guarantee; made by sampling every such ball and keeping a maximal independent set.
+};
+
+/// What fills the interior, away from lower polytopes and where f is constant enough.
+enum class Interior : std::uint8_t {
+  kLattice,  ///< Spheres on a lattice: hexagonal in the plane, body-centered cubic in space.
+  kRandom,   ///< Darts in random order.
+};
+
+struct PackingOptions {
+  PackingForm form = PackingForm::kVoronoi;
+  Interior interior = Interior::kLattice;    ///< Only for kVoronoi; the other forms are random by definition.
+  double epsilon = 0.25;                     ///< Only for kMaximal and kFiltered. In (0, 1].
+  std::uint64_t seed = 1;                    ///< Same seed, same packing, for any number of threads.
+  std::uint64_t max_vertices = 100'000'000;  ///< Budget. An estimate beyond it is a LimitError before the work.
+  int max_repairs = 20;                      ///< Rounds of shrinking f where a protecting ball is not empty.
+};
+
+/// A simplex of dimension < D on a polytope whose diametral ball (its *protecting ball*) holds no sphere's center.
+template <int K>
+struct ProtectedSimplex {
+  std::array<SphereId, K + 1> spheres;
+  PolytopeId carrier;
+};
+
+/// The Delaunay triangulation of sphere centers.
+template <int D>
+struct Triangulation {
+  std::vector<std::array<std::uint32_t, D + 1>> simplices;  ///< Positively oriented; of the whole convex hull.
+  std::vector<std::array<std::uint32_t, D + 1>>
+      neighbors;  ///< Entry i is opposite to corner i; kNoNeighbor on the hull.
+  static constexpr std::uint32_t kNoNeighbor = 0xffffffffU;
+};
+
+/// f-spheres as parallel arrays of length n, ordered: points, segments, facets, volumes.
+///
+/// Invariants, checked by `find_packing_fault`:
+///  1. radius[s] = f(center[s]) > 0, where f is the spacing function (with the caps of the repairs).
+///  2. |center[s] - center[t]| >= radius[s] + radius[t] for s != t.
+///  3. center[s] lies on the polytope carrier[s], and in no protecting ball.
+template <int D>
+struct Packing {
+  IdVector<SphereId, Vec<D>> center;       ///< [n] position, in domain units.
+  IdVector<SphereId, double> radius;       ///< [n] length, in domain units.
+  IdVector<SphereId, PolytopeId> carrier;  ///< [n] the polytope of lowest dimension that holds the center.
+
+  std::vector<ProtectedSimplex<1>> subsegments;  ///< Every segment as a chain, segment by segment.
+  std::vector<ProtectedSimplex<2>> subfacets;    ///< 3D: every facet as its Delaunay triangles, facet by facet.
+
+  Triangulation<D> triangulation;      ///< Only kVoronoi: the triangulation that proves maximality.
+  std::vector<SpacingCap<D>> repairs;  ///< Where f was shrunk because a protecting ball was not empty.
+  int repair_rounds = 0;
+};
+
+/// Packs every polytope of `domain` in ascending dimension, as algorithm PACKING of [Miller1996], section 3.
+///
+/// Throws: LimitError packing.too_many_vertices with the estimate, before the work.
+///         InternalError packing.not_conforming if max_repairs rounds do not empty every protecting ball.
+///         Cancelled if the observer asks to stop.
+template <int D>
+Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options = {},
+                Observer& observer = silent_observer());
+
+/// The number of spheres that `pack` will need, within some 20 %, from the integral of f^-D. Cheap.
+template <int D>
+double estimate_sphere_count(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options = {});
+
+/// The first broken invariant in words, or an empty string. O(n log n). For tests.
+template <int D>
+std::string find_packing_fault(const Packing<D>& packing, const Domain<D>& domain, const Spacing<D>& spacing);
+
+}  // namespace voropack

@@ -1,0 +1,49 @@
+// Stage 6: Mesh<D>, ControlVolumes<D> -> QualityReport: the figures that a user judges a mesh by.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "voropack/mesh.h"
+#include "voropack/observer.h"
+
+namespace voropack {
+
+/// Counts over equal bins of [lo, hi]; values outside go to the end bins.
+struct Histogram {
+  double lo = 0, hi = 1;
+  std::vector<std::uint64_t> bins;
+};
+
+/// Figures of a mesh and its cells. Angles in degrees, lengths in domain units, the rest without unit.
+struct QualityReport {
+  struct Spread {
+    double min = 0, mean = 0, p99 = 0, max = 0;
+    Histogram histogram;
+  };
+  std::uint64_t n_vertices = 0, n_simplices = 0, n_boundary_simplices = 0, n_cells = 0, n_dual_faces = 0;
+  struct Region {
+    int id = 0;
+    std::uint64_t n_simplices = 0;
+    double volume = 0;
+  };
+  std::vector<Region> regions;         ///< Ascending by id.
+  Spread radius_edge;                  ///< Circumradius over shortest edge, per simplex.
+  Spread edge_length;                  ///< Per edge.
+  Spread angle_deg;                    ///< Angles of triangles (2D) or of faces (3D).
+  std::optional<Spread> dihedral_deg;  ///< 3D.
+  double volume_sum = 0;               ///< Sum of cell volumes.
+  double domain_volume = 0;            ///< Sum of simplex volumes.
+  double min_cell_volume = 0;
+  double min_face_area = 0;
+  std::uint64_t n_negative_faces = 0;
+  Spread cell_aspect;  ///< R/r of Theorem 2.4, per vertex: smallest enclosing over largest inscribed ball.
+};
+
+template <int D>
+QualityReport measure_quality(const Mesh<D>& mesh, const ControlVolumes<D>& volumes,
+                              Observer& observer = silent_observer());
+
+}  // namespace voropack

@@ -1,0 +1,40 @@
+// Every geometric tolerance of the library. Each is relative to a length that its comment names.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "voropack/vec.h"
+
+namespace voropack {
+
+/// A point this near to a segment or facet, relative to the domain's diameter, lies on it. Large enough for coordinates
+/// that were rounded a few times in double precision, small enough that no feature of a model that can be meshed with
+/// 32-bit ids is as thin.
+inline constexpr double kOnTolerance = 1e-9;
+
+/// Facets this near to parallel (radians) whose points lie within kOnTolerance of one plane are coplanar.
+inline constexpr double kCoplanarAngle = 1e-6;
+
+/// A new point must stay this far outside of a protecting ball of radius R, as power relative to R^2, so that no tie
+/// decides whether the protected simplex is Delaunay.
+inline constexpr double kBallMargin = 1e-9;
+
+/// Two spheres may overlap by this much, relative to the sum of their radii: rounding of positions on lattices and
+/// segments.
+inline constexpr double kPackingSlack = 1e-12;
+
+/// The certificate's counterpart of kPackingSlack: looser, so that the maker's rounding does not fail it.
+inline constexpr double kPackingCheckSlack = 1e-10;
+
+/// `relative` times the size of `box`, plus 16 ulp of its largest coordinate: what input far from the origin can
+/// resolve.
+template <int D>
+double absolute_tolerance(const Box<D>& box, double relative) {
+  double largest = 0;
+  for (int k = 0; k < D; ++k) largest = std::max({largest, std::abs(box.lo[k]), std::abs(box.hi[k])});
+  return relative * box.diagonal() + 16 * std::numeric_limits<double>::epsilon() * largest;
+}
+
+}  // namespace voropack
