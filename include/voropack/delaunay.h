@@ -13,7 +13,7 @@ namespace voropack {
 /// Vertices and simplices are ordered along a Hilbert curve. Flat simplices between points of one facet never reach the
 /// result. Throws: InternalError delaunay.not_conforming if a protected simplex is not in the triangulation.
 template <int D>
-Mesh<D> triangulate(const Domain<D>& domain, const Packing<D>& packing, Observer& observer = silent_observer());
+Mesh<D> triangulate(const Domain<D>& domain, Packing<D> packing, Observer& observer = silent_observer());
 
 /// The Delaunay triangulation of `points` alone, such as for tests and other programs' point sets.
 /// Identical points are an InputError delaunay.duplicate_points.

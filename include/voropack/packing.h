@@ -44,13 +44,14 @@ struct ProtectedSimplex {
   PolytopeId carrier;
 };
 
-/// The Delaunay triangulation of sphere centers.
+/// A Delaunay triangulation of points: of their convex hull, or of the part of it that regions cover.
 template <int D>
 struct Triangulation {
-  std::vector<std::array<std::uint32_t, D + 1>> simplices;  ///< Positively oriented; of the whole convex hull.
-  std::vector<std::array<std::uint32_t, D + 1>>
-      neighbors;  ///< Entry i is opposite to corner i; kNoNeighbor on the hull.
   static constexpr std::uint32_t kNoNeighbor = 0xffffffffU;
+  std::vector<std::array<std::uint32_t, D + 1>> simplices;  ///< Indices of points; positively oriented.
+  std::vector<std::array<std::uint32_t, D + 1>>
+      neighbors;             ///< Entry i is opposite to corner i; kNoNeighbor where it ends.
+  std::vector<int> regions;  ///< Index of the RegionId of each simplex. Empty: not assigned.
 };
 
 /// f-spheres as parallel arrays of length n, ordered: points, segments, facets, volumes.
@@ -68,7 +69,7 @@ struct Packing {
   std::vector<ProtectedSimplex<1>> subsegments;  ///< Every segment as a chain, segment by segment.
   std::vector<ProtectedSimplex<2>> subfacets;    ///< 3D: every facet as its Delaunay triangles, facet by facet.
 
-  Triangulation<D> triangulation;      ///< Only kVoronoi: the triangulation that proves maximality.
+  Triangulation<D> triangulation;      ///< Of the regions. Only kVoronoi, whose maximality it proves; else empty.
   std::vector<SpacingCap<D>> repairs;  ///< Where f was shrunk because a protecting ball was not empty.
   int repair_rounds = 0;
 };

@@ -1,0 +1,258 @@
+#include "geom/wall_locator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "base/random.h"
+#include "voropack/error.h"
+
+namespace voropack {
+
+namespace {
+
+/// A ray that passes this near to the border of a wall, in barycentric coordinates, decides nothing.
+constexpr double kBorderMargin = 1e-9;
+constexpr std::uint32_t kLeafSize = 4;
+
+template <int K>
+Box<K> box_of(const std::array<Vec<K>, K>& simplex) {
+  Box<K> box;
+  for (const Vec<K>& p : simplex) box.add(p);
+  return box;
+}
+
+/// A unit vector in a direction that no model prefers.
+template <int K>
+Vec<K> generic_direction(int attempt) {
+  Random random(hash_words(0x77a11, K, attempt));
+  Vec<K> d;
+  do {
+    for (int k = 0; k < K; ++k) d[k] = 2 * random.unit() - 1;
+  } while (norm_sq(d) > 1 || norm_sq(d) < 0.1);
+  return d / norm(d);
+}
+
+/// Largest t for which the ray may still be in the box, or a negative number if it misses the box.
+template <int K>
+bool ray_meets(const Box<K>& box, const Vec<K>& x, const Vec<K>& inverse, double t_max) {
+  double t0 = 0, t1 = t_max;
+  for (int k = 0; k < K; ++k) {
+    double a = (box.lo[k] - x[k]) * inverse[k], b = (box.hi[k] - x[k]) * inverse[k];
+    if (a > b) std::swap(a, b);
+    t0 = std::max(t0, a);
+    t1 = std::min(t1, b);
+  }
+  return t0 <= t1 * (1 + 1e-12) + std::numeric_limits<double>::min();
+}
+
+double distance_sq_to(const std::array<Vec<2>, 2>& s, const Vec<2>& x) {
+  const Vec<2> d = s[1] - s[0];
+  const double t = std::clamp(dot(x - s[0], d) / norm_sq(d), 0.0, 1.0);
+  return distance_sq(x, s[0] + t * d);
+}
+
+/// Squared distance to a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
+double distance_sq_to(const std::array<Vec<3>, 3>& s, const Vec<3>& x) {
+  const auto [a, b, c] = s;
+  const Vec<3> ab = b - a, ac = c - a, ap = x - a;
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return norm_sq(ap);
+  const Vec<3> bp = x - b;
+  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return norm_sq(bp);
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return distance_sq(x, a + (d1 / (d1 - d3)) * ab);
+  const Vec<3> cp = x - c;
+  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return norm_sq(cp);
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return distance_sq(x, a + (d2 / (d2 - d6)) * ac);
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+    return distance_sq(x, b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b));
+  const Vec<3> n = cross(ab, ac);
+  const double h = dot(n, ap);
+  return h * h / norm_sq(n);
+}
+
+/// True if the box lies strictly on one side of the plane (line) of the wall.
+template <int K>
+bool plane_misses(const std::array<Vec<K>, K>& s, const Box<K>& box) {
+  Vec<K> n;
+  if constexpr (K == 2) {
+    const Vec<2> d = s[1] - s[0];
+    n = {-d[1], d[0]};
+  } else {
+    n = cross(s[1] - s[0], s[2] - s[0]);
+  }
+  double reach = 0;
+  for (int k = 0; k < K; ++k) reach += std::abs(n[k]) * 0.5 * (box.hi[k] - box.lo[k]);
+  return std::abs(dot(n, box.center() - s[0])) > reach * (1 + 1e-9);
+}
+
+}  // namespace
+
+template <int K>
+WallLocator<K>::WallLocator(Walls<K> walls) : walls_(std::move(walls)), order_(walls_.simplices.size()) {
+  std::iota(order_.begin(), order_.end(), 0U);
+  if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()));
+}
+
+template <int K>
+std::uint32_t WallLocator<K>::build(std::uint32_t begin, std::uint32_t end) {
+  const auto id = static_cast<std::uint32_t>(nodes_.size());
+  nodes_.push_back({});
+  Box<K> box, centers;
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const Box<K> b = box_of<K>(walls_.simplices[order_[i]]);
+    box.add(b);
+    centers.add(b.center());
+  }
+  std::uint32_t right = 0;
+  if (end - begin > kLeafSize) {
+    int axis = 0;
+    for (int k = 1; k < K; ++k)
+      if (centers.hi[k] - centers.lo[k] > centers.hi[axis] - centers.lo[axis]) axis = k;
+    const std::uint32_t middle = (begin + end) / 2;
+    const auto key = [&](std::uint32_t w) { return box_of<K>(walls_.simplices[w]).center()[axis]; };
+    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                     [&](std::uint32_t a, std::uint32_t b) {
+                       const double ka = key(a), kb = key(b);
+                       return ka < kb || (ka == kb && a < b);
+                     });
+    build(begin, middle);
+    right = build(middle, end);
+  }
+  nodes_[id] = {box, begin, end, right};
+  return id;
+}
+
+template <int K>
+typename WallLocator<K>::Ray WallLocator<K>::hit(std::uint32_t wall, const Vec<K>& x, const Vec<K>& direction,
+                                                 double& t, int& side) const {
+  const auto& s = walls_.simplices[wall];
+  double denominator, u, v = 0;
+  if constexpr (K == 2) {
+    // x + t d = a + u e
+    const Vec<2> e = s[1] - s[0], w = s[0] - x;
+    denominator = cross(direction, e);
+    if (std::abs(denominator) < kBorderMargin * norm(e))
+      return std::abs(cross(direction, w)) < kBorderMargin * (norm(w) + norm(e)) ? Ray::kUnclear : Ray::kMiss;
+    t = cross(w, e) / denominator;
+    u = cross(w, direction) / denominator;
+    side = denominator > 0 ? 1 : 0;  // Moving to the left of e means coming from its right.
+  } else {
+    // Moeller and Trumbore: x + t d = a + u e1 + v e2
+    const Vec<3> e1 = s[1] - s[0], e2 = s[2] - s[0], p = cross(direction, e2), w = x - s[0], q = cross(w, e1);
+    denominator = dot(e1, p);
+    const double scale = norm(cross(e1, e2));
+    if (std::abs(denominator) < kBorderMargin * scale)
+      return std::abs(dot(w, cross(e1, e2))) < kBorderMargin * scale * (norm(w) + norm(e1) + norm(e2)) ? Ray::kUnclear
+                                                                                                       : Ray::kMiss;
+    t = dot(e2, q) / denominator;
+    u = dot(w, p) / denominator;
+    v = dot(direction, q) / denominator;
+    side = denominator > 0 ? 0 : 1;  // denominator = -d . normal: coming against the normal meets side 0.
+  }
+  const double inside = std::min({u, v, 1 - u - v});
+  const double worst = K == 2 ? std::min(u, 1 - u) : inside;
+  if (t < 0 || worst < -kBorderMargin) return Ray::kMiss;
+  if (worst < kBorderMargin) return Ray::kUnclear;
+  return Ray::kHit;
+}
+
+template <int K>
+typename WallLocator<K>::Ray WallLocator<K>::cast(const Vec<K>& x, const Vec<K>& direction, int& region) const {
+  Vec<K> inverse;
+  for (int k = 0; k < K; ++k) inverse[k] = 1 / direction[k];
+  double best = std::numeric_limits<double>::infinity(), unclear = best;
+  region = Walls<K>::kOutside;
+  std::array<std::uint32_t, 64> stack;
+  std::size_t size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const std::uint32_t id = stack[--size];
+    const Node& node = nodes_[id];
+    if (!ray_meets(node.box, x, inverse, best)) continue;
+    if (node.right != 0) {
+      stack[size++] = node.right;
+      stack[size++] = id + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+      double t = 0;
+      int side = 0;
+      const Ray result = hit(order_[i], x, direction, t, side);
+      if (result == Ray::kUnclear) unclear = std::min(unclear, t);
+      if (result == Ray::kHit && t < best) {
+        best = t;
+        region = walls_.regions[order_[i]][static_cast<std::size_t>(side)];
+      }
+    }
+  }
+  // What lies behind the nearest clear hit does not matter.
+  return unclear <= best * (1 + kBorderMargin) && unclear < std::numeric_limits<double>::infinity() ? Ray::kUnclear
+                                                                                                    : Ray::kHit;
+}
+
+template <int K>
+int WallLocator<K>::region(const Vec<K>& x) const {
+  constexpr int kMaxAttempts = 64;
+  int region = Walls<K>::kOutside;
+  if (!nodes_[0].box.contains(x)) return region;
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt)
+    if (cast(x, generic_direction<K>(attempt), region) == Ray::kHit) return region;
+  return Walls<K>::kOutside;
+}
+
+template <int K>
+bool WallLocator<K>::touches(const Box<K>& box) const {
+  if (nodes_.empty()) return false;
+  std::array<std::uint32_t, 64> stack;
+  std::size_t size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const std::uint32_t id = stack[--size];
+    const Node& node = nodes_[id];
+    if (!node.box.overlaps(box)) continue;
+    if (node.right != 0) {
+      stack[size++] = node.right;
+      stack[size++] = id + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+      const auto& s = walls_.simplices[order_[i]];
+      if (box_of<K>(s).overlaps(box) && !plane_misses<K>(s, box)) return true;
+    }
+  }
+  return false;
+}
+
+template <int K>
+bool WallLocator<K>::is_near(const Vec<K>& x, double distance) const {
+  if (nodes_.empty()) return false;
+  const double limit = distance * distance;
+  std::array<std::uint32_t, 64> stack;
+  std::size_t size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const std::uint32_t id = stack[--size];
+    const Node& node = nodes_[id];
+    if (node.box.distance_sq(x) >= limit) continue;
+    if (node.right != 0) {
+      stack[size++] = node.right;
+      stack[size++] = id + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.begin; i < node.end; ++i)
+      if (distance_sq_to(walls_.simplices[order_[i]], x) < limit) return true;
+  }
+  return false;
+}
+
+template class WallLocator<2>;
+template class WallLocator<3>;
+
+}  // namespace voropack

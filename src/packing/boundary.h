@@ -1,0 +1,36 @@
+// Packs everything of dimension < D: points, segments and, in space, facets; and checks that their protecting balls are
+// empty.
+#pragma once
+
+#include <vector>
+
+#include "spheres/packing_problem.h"
+#include "spheres/sphere_set.h"
+#include "voropack/domain.h"
+#include "voropack/packing.h"
+
+namespace voropack {
+
+/// Spheres on points, segments and facets, the simplices they form, and the protecting balls of these.
+template <int D>
+struct BoundaryPacking {
+  Packing<D> packing;          ///< Without the interior.
+  std::vector<Ball<D>> balls;  ///< Of the subsegments, then of the subfacets.
+  std::vector<SpacingCap<D>>
+      faults;  ///< Where f must shrink, because a ball is not empty or two spheres overlap. Empty: all is well.
+};
+
+template <int D>
+BoundaryPacking<D> pack_boundary(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options,
+                                 const Observer& observer);
+
+/// How much f shrinks where a protecting ball is not empty.
+inline constexpr double kRepairFactor = 0.7;
+
+/// A cap on f around a place where something is wrong.
+template <int D>
+SpacingCap<D> repair_cap(const Vec<D>& center, double radius, const Spacing<D>& spacing) {
+  return {center, 2 * radius, kRepairFactor * spacing(center)};
+}
+
+}  // namespace voropack

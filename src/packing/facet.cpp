@@ -1,0 +1,103 @@
+#include "packing/facet.h"
+
+#include <algorithm>
+#include <set>
+
+#include "base/random.h"
+#include "packing/boundary.h"
+
+namespace voropack {
+
+namespace {
+
+/// New centers on a facet move at random by this much, relative to f: on a tilted plane, four points that are
+/// cocircular by symmetry would span a flat simplex once their coordinates are rounded.
+constexpr double kFacetJitter = 1e-5;
+
+/// The spacing function in the facet's plane.
+LocalSpacing<2> spacing_in_plane(const Spacing<3>& spacing, const PlaneFrame& frame) {
+  return {[&spacing, frame](const Vec<2>& x) { return spacing(frame.from_plane(x)); },
+          [&spacing, frame](const Box<2>& box) {
+            Box<3> space;
+            for (const double x : {box.lo[0], box.hi[0]})
+              for (const double y : {box.lo[1], box.hi[1]}) space.add(frame.from_plane({x, y}));
+            return spacing.constant_on(space);
+          },
+          spacing.lipschitz()};
+}
+
+/// On which sides of its segments the facet lies: side 0 is the left one in the facet's frame.
+std::vector<std::array<int, 2>> sides_of_segments(const Domain<3>& domain, FacetId facet) {
+  std::set<std::array<PointId, 2>> edges;
+  for (const auto& t : domain.facet_triangles[facet])
+    for (std::size_t i = 0; i < 3; ++i) edges.insert({t[i], t[(i + 1) % 3]});
+  std::vector<std::array<int, 2>> sides;
+  for (const SegmentId s : domain.facet_segments[facet]) {
+    const auto [a, b] = domain.segments[s];
+    sides.push_back({edges.contains({a, b}) ? 0 : Walls<2>::kOutside, edges.contains({b, a}) ? 0 : Walls<2>::kOutside});
+  }
+  return sides;
+}
+
+}  // namespace
+
+PackedFacet pack_facet(const Domain<3>& domain, FacetId facet, const Packing<3>& packing,
+                       const Csr<SegmentId, SphereId>& spheres_of_segment, const Spacing<3>& spacing,
+                       const PackingOptions& options, const Observer& observer) {
+  const PlaneFrame& frame = domain.facet_frame[facet];
+  PackedFacet result;
+  PackingProblem<2> problem;
+  for (const PointId p : domain.facet_points[facet]) {
+    result.boundary.push_back(SphereId(p.value()));
+    problem.bounds.add(frame.to_plane(domain.points[p]));
+  }
+  for (const SegmentId s : domain.facet_segments[facet])
+    for (const SphereId sphere : spheres_of_segment[s]) result.boundary.push_back(sphere);
+  std::sort(result.boundary.begin(), result.boundary.end());
+  result.boundary.erase(std::unique(result.boundary.begin(), result.boundary.end()), result.boundary.end());
+  const auto local = [&](SphereId s) {
+    return static_cast<std::uint32_t>(std::lower_bound(result.boundary.begin(), result.boundary.end(), s) -
+                                      result.boundary.begin());
+  };
+  for (const SphereId s : result.boundary)
+    problem.fixed.push_back({frame.to_plane(packing.center[s]), packing.radius[s]});
+
+  const std::vector<std::array<int, 2>> sides = sides_of_segments(domain, facet);
+  Walls<2> walls;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const SegmentId s = domain.facet_segments[facet][i];
+    walls.simplices.push_back(
+        {frame.to_plane(domain.points[domain.segments[s][0]]), frame.to_plane(domain.points[domain.segments[s][1]])});
+    walls.regions.push_back(sides[i]);
+    const auto chain = spheres_of_segment[s];
+    for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
+      const std::array<std::uint32_t, 2> ends = {local(chain[k]), local(chain[k + 1])};
+      const Vec<2> a = problem.fixed[ends[0]].center, b = problem.fixed[ends[1]].center;
+      problem.faces.push_back({ends, sides[i]});
+      problem.balls.push_back({0.5 * (a + b), 0.5 * distance(a, b)});
+    }
+  }
+  const WallLocator<2> locator(std::move(walls));
+  problem.walls = &locator;
+  problem.keep_far = true;
+  problem.spacing = spacing_in_plane(spacing, frame);
+  problem.form = options.form;
+  problem.interior = options.interior;
+  problem.epsilon = options.epsilon;
+  problem.jitter = kFacetJitter;
+  problem.seed = hash_words(options.seed, 2, facet.value());
+
+  PackedInterior<2> packed = pack_interior(problem, true, observer);
+  for (const std::uint32_t i : packed.broken_faces) {
+    const Ball<2>& ball = problem.balls[i];
+    result.faults.push_back(repair_cap(frame.from_plane(ball.center), ball.radius, spacing));
+  }
+  for (const Ball<2>& s : packed.spheres) {
+    result.centers.push_back(frame.from_plane(s.center));
+    result.radii.push_back(s.radius);
+  }
+  result.triangles = std::move(packed.triangulation.simplices);
+  return result;
+}
+
+}  // namespace voropack

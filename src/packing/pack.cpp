@@ -1,0 +1,195 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "geom/circumball.h"
+#include "packing/boundary.h"
+#include "spheres/pack_interior.h"
+#include "voropack/packing.h"
+
+namespace voropack {
+
+namespace {
+
+/// Peak memory of the whole pipeline per vertex in bytes, measured (docs/theory/packing.md).
+template <int D>
+constexpr double kBytesPerVertex = D == 3 ? 1200 : 500;
+
+/// Walls of the domain with the regions on their sides.
+WallLocator<2> locator_of(const Domain<2>& domain) {
+  Walls<2> walls;
+  for (const SegmentId s : ids(domain.segments)) {
+    walls.simplices.push_back({domain.points[domain.segments[s][0]], domain.points[domain.segments[s][1]]});
+    walls.regions.push_back({});
+  }
+  for (std::size_t w = 0; w < walls.regions.size(); ++w)
+    for (std::size_t side = 0; side < 2; ++side) {
+      const RegionId r = domain.wall_regions[w][side];
+      walls.regions[w][side] = r.is_none() ? Walls<2>::kOutside : static_cast<int>(r.value());
+    }
+  return WallLocator<2>(std::move(walls));
+}
+
+std::array<int, 2> regions_of_wall(const std::array<RegionId, 2>& sides) {
+  std::array<int, 2> result;
+  for (std::size_t i = 0; i < 2; ++i) result[i] = sides[i].is_none() ? -1 : static_cast<int>(sides[i].value());
+  return result;
+}
+
+WallLocator<3> locator_of(const Domain<3>& domain) {
+  Walls<3> walls;
+  for (const FacetId f : ids(domain.facet_frame))
+    for (const auto& t : domain.facet_triangles[f]) {
+      walls.simplices.push_back({domain.points[t[0]], domain.points[t[1]], domain.points[t[2]]});
+      walls.regions.push_back(regions_of_wall(domain.wall_regions[f.value()]));
+    }
+  return WallLocator<3>(std::move(walls));
+}
+
+/// The protected simplices that bound regions: subsegments in the plane, subfacets in space.
+template <int D>
+const auto& wall_simplices(const Packing<D>& packing) {
+  if constexpr (D == 2)
+    return packing.subsegments;
+  else
+    return packing.subfacets;
+}
+
+template <int D>
+PackingProblem<D> interior_problem(const Domain<D>& domain, const Spacing<D>& spacing,
+                                   const BoundaryPacking<D>& boundary, const WallLocator<D>& walls,
+                                   const PackingOptions& options) {
+  const Packing<D>& packing = boundary.packing;
+  PackingProblem<D> problem;
+  problem.bounds = domain.box;
+  for (const SphereId s : ids(packing.center)) problem.fixed.push_back({packing.center[s], packing.radius[s]});
+  problem.balls = boundary.balls;
+  for (const auto& simplex : wall_simplices(packing)) {
+    ProtectedFace<D> face{{}, regions_of_wall(domain.wall_regions[simplex.carrier.index])};
+    for (std::size_t i = 0; i < D; ++i) face.corners[i] = simplex.spheres[i].value();
+    problem.faces.push_back(face);
+  }
+  problem.walls = &walls;
+  problem.spacing = {[&spacing](const Vec<D>& x) { return spacing(x); },
+                     [&spacing](const Box<D>& box) { return spacing.constant_on(box); }, spacing.lipschitz()};
+  problem.form = options.form;
+  problem.interior = options.interior;
+  problem.epsilon = options.epsilon;
+  problem.seed = hash_words(options.seed, D);
+  return problem;
+}
+
+template <int D>
+void append_interior(Packing<D>& packing, PackedInterior<D>&& interior) {
+  for (std::size_t i = 0; i < interior.spheres.size(); ++i) {
+    packing.center.push_back(interior.spheres[i].center);
+    packing.radius.push_back(interior.spheres[i].radius);
+    packing.carrier.push_back(PolytopeId(D, static_cast<std::size_t>(interior.regions[i])));
+  }
+  packing.triangulation = std::move(interior.triangulation);
+}
+
+template <int D>
+void check_limits(double estimate, const PackingOptions& options) {
+  if (estimate > static_cast<double>(options.max_vertices))
+    throw LimitError(Fault{
+        .id = "packing.too_many_vertices",
+        .message =
+            fmt::format("the mesh would have about {:.3g} vertices; the limit is {}", estimate, options.max_vertices),
+        .fix = fmt::format("ask for larger sizes, or raise --max-vertices to {:.2g}", 1.3 * estimate)});
+  const double needed = estimate * kBytesPerVertex<D>;
+  const double available = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  if (available > 0 && needed > available)
+    throw LimitError(
+        Fault{.id = "packing.too_little_memory",
+              .message = fmt::format("the mesh would have about {:.3g} vertices and need {:.3g} GB of memory; the "
+                                     "machine has {:.3g} GB",
+                                     estimate, needed / 1e9, available / 1e9),
+              .fix = "ask for larger sizes, or use a machine with more memory"});
+}
+
+}  // namespace
+
+template <int D>
+double estimate_sphere_count(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options) {
+  // Vertices per unit of the integral of f^-D, measured on uniform packings (docs/theory/packing.md).
+  const bool lattice = options.form == PackingForm::kVoronoi && options.interior == Interior::kLattice;
+  const double density = D == 3 ? (lattice ? 0.05 : 0.1) : (lattice ? 0.11 : 0.18);
+  return static_cast<double>(domain.points.size()) + density * spacing.integral(domain);
+}
+
+template <int D>
+Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options, Observer& observer) {
+  observer.begin_stage("packing");
+  check_limits<D>(estimate_sphere_count(domain, spacing, options), options);
+  const WallLocator<D> walls = locator_of(domain);
+  std::vector<SpacingCap<D>> caps;
+  for (int round = 0; round <= options.max_repairs; ++round) {
+    observer.check_cancelled();
+    const Spacing<D> f = caps.empty() ? spacing : spacing.with_caps(caps);
+    BoundaryPacking<D> boundary = pack_boundary(domain, f, options, observer);
+    if (boundary.faults.empty()) {
+      const PackingProblem<D> problem = interior_problem(domain, f, boundary, walls, options);
+      PackedInterior<D> interior = pack_interior(problem, false, observer);
+      if (interior.broken_faces.empty()) {
+        append_interior(boundary.packing, std::move(interior));
+        boundary.packing.repairs = std::move(caps);
+        boundary.packing.repair_rounds = round;
+        return std::move(boundary.packing);
+      }
+      const std::size_t first = boundary.balls.size() - problem.faces.size();
+      for (const std::uint32_t i : interior.broken_faces)
+        boundary.faults.push_back(repair_cap(boundary.balls[first + i].center, boundary.balls[first + i].radius, f));
+    }
+    observer.log(LogLevel::kInfo, fmt::format("{} protecting balls are not empty; f shrinks there (round {})",
+                                              boundary.faults.size(), round + 1));
+    caps.insert(caps.end(), boundary.faults.begin(), boundary.faults.end());
+  }
+  throw InternalError(
+      Fault{.id = "packing.not_conforming",
+            .message = fmt::format("after {} rounds of shrinking f some protecting balls still hold a point, the last "
+                                   "one near ({})",
+                                   options.max_repairs, fmt::join(caps.back().center.coord, ", ")),
+            .fix = "report this with the input; a smaller --feature-factor may help meanwhile",
+            .position = {caps.back().center.coord.begin(), caps.back().center.coord.end()}});
+}
+
+template <int D>
+std::string find_packing_fault(const Packing<D>& packing, const Domain<D>& domain, const Spacing<D>& spacing) {
+  const Spacing<D> f = packing.repairs.empty() ? spacing : spacing.with_caps(packing.repairs);
+  SphereSet<D> set(domain.box.center(), spacing.lipschitz(), packing.radius[SphereId(0)]);
+  for (const SphereId s : ids(packing.center)) {
+    if (packing.radius[s] != f(packing.center[s])) return fmt::format("sphere {}: its radius is not f", s.value());
+    if (set.conflicts(packing.center[s], packing.radius[s]))
+      return fmt::format("sphere {} overlaps another", s.value());
+    set.add({packing.center[s], packing.radius[s]});
+  }
+  BallSet<D> balls(domain.box.center());
+  for (const auto& e : packing.subsegments) {
+    const Vec<D> a = packing.center[e.spheres[0]], b = packing.center[e.spheres[1]];
+    balls.add({0.5 * (a + b), 0.5 * distance(a, b)});
+  }
+  if constexpr (D == 3)
+    for (const auto& t : packing.subfacets) {
+      const std::array<Vec<3>, 3> corners = {packing.center[t.spheres[0]], packing.center[t.spheres[1]],
+                                             packing.center[t.spheres[2]]};
+      const Vec<3> c = circumcenter(corners);
+      balls.add({c, distance(c, corners[0])});
+    }
+  for (const SphereId s : ids(packing.center))
+    if (balls.visit_holding(packing.center[s], -kBallMargin, [](std::uint32_t) { return true; }))
+      return fmt::format("sphere {}: its center lies in a protecting ball", s.value());
+  return {};
+}
+
+template double estimate_sphere_count(const Domain<2>&, const Spacing<2>&, const PackingOptions&);
+template double estimate_sphere_count(const Domain<3>&, const Spacing<3>&, const PackingOptions&);
+template Packing<2> pack(const Domain<2>&, const Spacing<2>&, const PackingOptions&, Observer&);
+template Packing<3> pack(const Domain<3>&, const Spacing<3>&, const PackingOptions&, Observer&);
+template std::string find_packing_fault(const Packing<2>&, const Domain<2>&, const Spacing<2>&);
+template std::string find_packing_fault(const Packing<3>&, const Domain<3>&, const Spacing<3>&);
+
+}  // namespace voropack

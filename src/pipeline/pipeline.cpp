@@ -1,0 +1,80 @@
+#include "voropack/pipeline.h"
+
+#include <chrono>
+
+#include "base/parallel.h"
+
+namespace voropack {
+
+namespace {
+
+/// Mean edge length divided by f far from features, measured on uniform packings of the unit cube and square
+/// (docs/theory/packing.md).
+template <int D>
+double edge_per_spacing(const PackingOptions& options) {
+  const bool lattice = options.form == PackingForm::kVoronoi && options.interior == Interior::kLattice;
+  if (D == 2) return lattice ? 3.46 : 2.75;
+  return lattice ? 3.30 : 2.64;
+}
+
+/// Runs a stage and notes how long it took.
+class Stopwatch {
+ public:
+  explicit Stopwatch(StageTimes& times) : times_(times) {}
+  template <class Stage>
+  auto operator()(const char* name, Stage&& stage) {
+    const auto begin = std::chrono::steady_clock::now();
+    auto result = stage();
+    times_[name] += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return result;
+  }
+
+ private:
+  StageTimes& times_;
+};
+
+}  // namespace
+
+template <int D>
+MeshingResult<D> make_mesh(const DomainInput<D>& input, const MeshingOptions<D>& options, Observer& observer) {
+  MeshingResult<D> result;
+  Stopwatch timed(result.times);
+  run_with_threads(options.threads, [&] {
+    // 1. The domain as a piecewise linear system.
+    result.domain = timed("domain", [&] { return build_domain(input, options.domain, observer); });
+
+    // 2. How large spheres may be.
+    const SpacingOptions spacing_options{options.gradation, options.feature_factor,
+                                         edge_per_spacing<D>(options.packing)};
+    Spacing<D> spacing =
+        timed("spacing", [&] { return build_spacing(result.domain, options.wishes, spacing_options, observer); });
+    result.spacing_integral = timed("spacing", [&] { return spacing.integral(result.domain); });
+
+    // 3. Where they go.
+    Packing<D> packing = timed("packing", [&] { return pack(result.domain, spacing, options.packing, observer); });
+    result.repairs = packing.repairs;
+    result.repair_rounds = packing.repair_rounds;
+    if (!result.repairs.empty()) spacing = spacing.with_caps(result.repairs);
+
+    // 4. The mesh of their centers.
+    result.mesh = timed("delaunay", [&] { return triangulate(result.domain, std::move(packing), observer); });
+
+    // 5. Its control volumes.
+    result.volumes = timed("dual", [&] { return build_control_volumes(result.mesh, observer); });
+
+    // 6. What they are worth, and the proof of what is claimed.
+    result.quality = timed("quality", [&] { return measure_quality(result.mesh, result.volumes, observer); });
+    CertificateOptions claims;
+    claims.gradation = options.gradation;
+    claims.form = options.packing.form;
+    claims.epsilon = options.packing.epsilon;
+    result.certificate =
+        timed("certificate", [&] { return certify(result.mesh, result.volumes, &result.domain, claims, observer); });
+  });
+  return result;
+}
+
+template MeshingResult<2> make_mesh(const DomainInput<2>&, const MeshingOptions<2>&, Observer&);
+template MeshingResult<3> make_mesh(const DomainInput<3>&, const MeshingOptions<3>&, Observer&);
+
+}  // namespace voropack

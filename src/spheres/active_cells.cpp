@@ -1,0 +1,338 @@
+#include "spheres/active_cells.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "spheres/independent_set.h"
+
+namespace voropack {
+
+namespace {
+
+/// Down to this depth of the tree subtrees are worth a task of their own.
+constexpr int kParallelDepth = 3;
+/// A cell this much finer than the bounds means that the spacing function is broken.
+constexpr int kMaxDepth = 28;
+
+/// The largest f over the centers of a coarse grid of the bounds: the plateau of f where it has one.
+template <int K>
+double largest_spacing(const PackingProblem<K>& problem) {
+  if (const auto f = problem.spacing.constant_on(problem.bounds)) return *f;
+  constexpr int n = K == 3 ? 12 : 40;
+  std::size_t total = 1;
+  for (int k = 0; k < K; ++k) total *= n;
+  double largest = 0;
+  for (std::size_t i = 0; i < total; ++i) {
+    Vec<K> x;
+    std::size_t rest = i;
+    for (int k = 0; k < K; ++k) {
+      x[k] = problem.bounds.lo[k] +
+             (static_cast<double>(rest % n) + 0.5) / n * (problem.bounds.hi[k] - problem.bounds.lo[k]);
+      rest /= n;
+    }
+    if (problem.region_of(x) < 0) continue;
+    largest = std::max(largest, problem.spacing.at(x));
+  }
+  return largest > 0 ? largest : problem.spacing.at(problem.bounds.center());
+}
+
+}  // namespace
+
+template <int K>
+ActiveCells<K>::ActiveCells(const PackingProblem<K>& problem, bool lattice, const Observer& observer)
+    : problem_(problem),
+      observer_(observer),
+      origin_(problem.bounds.lo),
+      spheres_(problem.bounds.center(), problem.spacing.lipschitz, largest_spacing(problem)),
+      balls_(problem.bounds.center()) {
+  for (int k = 0; k < K; ++k) side_ = std::max(side_, problem.bounds.hi[k] - problem.bounds.lo[k]);
+  if constexpr (K > 1) {
+    side_ *= 1 + 1e-6;
+    origin_ = problem.bounds.center();
+    for (int k = 0; k < K; ++k) origin_[k] -= side_ / 2;
+    if (lattice) lattice_.emplace(problem.bounds.center(), largest_spacing(problem), problem.seed);
+  }
+  for (const Ball<K>& s : problem.fixed) spheres_.add(s);
+  for (const Ball<K>& s : problem.foreign) spheres_.add(s);
+  for (const Ball<K>& b : problem.balls) balls_.add(b);
+
+  Obstacles all;
+  for (std::uint32_t i = 0; i < spheres_.size(); ++i) all.spheres.push_back(i);
+  for (std::uint32_t i = 0; i < balls_.size(); ++i) all.balls.push_back(i);
+  Harvest harvest;
+  Cell root{{}, 0, problem.walls != nullptr, 0};
+  subdivide(root, all, harvest);
+  cells_ = std::move(harvest.cells);
+  place_lattice(harvest.points);
+}
+
+template <int K>
+double ActiveCells<K>::side(int level) const {
+  return std::ldexp(side_, -level);
+}
+
+template <int K>
+Box<K> ActiveCells<K>::box_of(const Cell& cell) const {
+  const double s = side(cell.level);
+  Box<K> box;
+  for (int k = 0; k < K; ++k) {
+    const auto i = cell.index[static_cast<std::size_t>(k)];
+    box.lo[k] = origin_[k] + s * i;
+    box.hi[k] = origin_[k] + s * (i + 1);
+  }
+  return box;
+}
+
+template <int K>
+std::vector<typename ActiveCells<K>::Cell> ActiveCells<K>::children(const Cell& cell) const {
+  std::vector<Cell> result;
+  for (int c = 0; c < (1 << K); ++c) {
+    Cell child = cell;
+    ++child.level;
+    for (std::size_t k = 0; k < K; ++k) child.index[k] = 2 * cell.index[k] + ((c >> k) & 1);
+    result.push_back(child);
+  }
+  return result;
+}
+
+/// Finds out whether walls pass through the cell, and if not, which region holds it.
+template <int K>
+void ActiveCells<K>::locate(Cell& cell, const Box<K>& box) const {
+  if (!cell.mixed || problem_.meets_wall(box)) return;
+  cell.mixed = false;
+  cell.region = problem_.region_of(box.center());
+}
+
+template <int K>
+typename ActiveCells<K>::Obstacles ActiveCells<K>::near(const Obstacles& from, const Box<K>& box, double f_max) const {
+  Obstacles result;
+  for (const std::uint32_t i : from.spheres) {
+    const double reach = spheres_[i].radius + f_max;
+    if (box.distance_sq(spheres_[i].center) < reach * reach) result.spheres.push_back(i);
+  }
+  for (const std::uint32_t i : from.balls) {
+    const double reach = balls_[i].radius * (1 + kBallMargin);
+    if (box.distance_sq(balls_[i].center) <= reach * reach) result.balls.push_back(i);
+  }
+  return result;
+}
+
+/// As SphereSet::covers and BallSet::covers, on the obstacles that are known to be near.
+template <int K>
+bool ActiveCells<K>::is_covered(const Obstacles& near, const Vec<K>& m, double r, double f) const {
+  for (const std::uint32_t i : near.spheres) {
+    const double reach = spheres_[i].radius + f - (1 + problem_.spacing.lipschitz) * r;
+    if (reach > 0 && distance_sq(m, spheres_[i].center) < reach * reach) return true;
+  }
+  for (const std::uint32_t i : near.balls) {
+    const double room = balls_[i].radius - r;
+    if (room > 0 && distance_sq(m, balls_[i].center) < room * room) return true;
+  }
+  return false;
+}
+
+template <int K>
+void ActiveCells<K>::subdivide(const Cell& cell, const Obstacles& parent, Harvest& out) const {
+  const Box<K> box = box_of(cell);
+  const Vec<K> m = box.center();
+  const double r = 0.5 * box.diagonal(), f = problem_.spacing.at(m), b = problem_.spacing.lipschitz;
+  Cell here = cell;
+  locate(here, box);
+  if (!here.mixed && here.region < 0) return;
+  const std::optional<double> constant = problem_.spacing.constant_on(box);
+  const double f_lo = constant ? *constant : f - b * r, f_hi = constant ? *constant : f + b * r;
+  const Obstacles obstacles = near(parent, box, f_hi);
+  if (is_covered(obstacles, m, r, f)) return;
+
+  std::optional<int> cls;
+  if constexpr (K > 1)
+    if (lattice_ && f_lo > 0) cls = lattice_->class_for(f_lo, f_hi);
+  const double width = side(here.level);
+  const bool free = cls && !here.mixed && obstacles.spheres.empty() && obstacles.balls.empty() &&
+                    !problem_.breaks_far_rule(m, 2 * f_hi + r);
+  const bool is_leaf = width <= 2 * f / std::sqrt(static_cast<double>(K)) || here.level >= kMaxDepth;
+  if constexpr (K > 1) {
+    if (cls && (is_leaf || (free && width >= lattice_->side(*cls))))
+      lattice_->visit(*cls, box, [&](const Vec<K>& x) {
+        out.points.push_back({x, *cls, here.mixed ? kNoRegion : here.region, free});
+      });
+    if (free && width >= lattice_->side(*cls)) return;
+  }
+  if (is_leaf) {
+    out.cells.push_back(here);
+    return;
+  }
+  const std::vector<Cell> parts = children(here);
+  if (here.level >= kParallelDepth) {
+    for (const Cell& child : parts) subdivide(child, obstacles, out);
+    return;
+  }
+  observer_.check_cancelled();
+  std::vector<Harvest> harvests(parts.size());
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) { subdivide(parts[i], obstacles, harvests[i]); });
+  for (const Harvest& h : harvests) {
+    out.cells.insert(out.cells.end(), h.cells.begin(), h.cells.end());
+    out.points.insert(out.points.end(), h.points.begin(), h.points.end());
+  }
+}
+
+/// The region of x in a cell, or a negative number where x is outside.
+template <int K>
+int ActiveCells<K>::region_at(const Cell& cell, const Vec<K>& x) const {
+  return cell.mixed ? problem_.region_of(x) : cell.region;
+}
+
+/// Coarsest class first. Points of one class never conflict with each other, so those that pass the tests against what
+/// is there before their class all join.
+template <int K>
+void ActiveCells<K>::place_lattice(const std::vector<LatticePoint>& points) {
+  int last = -1;
+  for (const LatticePoint& p : points) last = std::max(last, p.cls);
+  for (int cls = 0; cls <= last; ++cls) {
+    std::vector<std::uint32_t> members;
+    for (std::uint32_t i = 0; i < points.size(); ++i)
+      if (points[i].cls == cls) members.push_back(i);
+    std::vector<Ball<K>> balls(members.size());
+    std::vector<int> regions(members.size(), kNoRegion);
+    parallel_for(members.size(), [&](std::size_t i) {
+      if constexpr (K > 1) {
+        const LatticePoint& p = points[members[i]];
+        balls[i] = {p.position, problem_.spacing.at(p.position)};
+        const bool admitted =
+            p.free && cls == 0 ? true : problem_.admits(spheres_, balls_, p.position, balls[i].radius);
+        if (admitted) regions[i] = p.region != kNoRegion ? p.region : problem_.region_of(p.position);
+      }
+    });
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      if (regions[i] < 0) continue;
+      spheres_.add(balls[i]);
+      regions_.push_back(regions[i]);
+    }
+  }
+}
+
+template <int K>
+void ActiveCells<K>::throw_darts() {
+  const std::uint64_t round = ++round_;
+  try_in_cells(round, [&](const Cell& cell, const Box<K>& box, std::uint64_t hash) {
+    Vec<K> x;
+    for (int k = 0; k < K; ++k) {
+      hash = mix64(hash + 0x9e3779b97f4a7c15ULL);
+      x[k] = box.lo[k] + to_unit(hash) * side(cell.level);
+    }
+    return x;
+  });
+}
+
+template <int K>
+void ActiveCells<K>::try_centers() {
+  const std::uint64_t round = ++round_;
+  try_in_cells(round, [&](const Cell&, const Box<K>& box, std::uint64_t) { return box.center(); });
+}
+
+template <int K>
+template <class Position>
+void ActiveCells<K>::try_in_cells(std::uint64_t round, Position&& position) {
+  constexpr std::size_t kBlock = 4096;
+  std::vector<std::vector<Candidate>> found((cells_.size() + kBlock - 1) / kBlock);
+  parallel_for(
+      found.size(),
+      [&](std::size_t block) {
+        observer_.check_cancelled();
+        for (std::size_t i = block * kBlock; i < std::min(cells_.size(), (block + 1) * kBlock); ++i) {
+          const Cell& cell = cells_[i];
+          const Box<K> box = box_of(cell);
+          std::uint64_t hash = hash_words(problem_.seed, round, cell.level);
+          for (const std::int32_t k : cell.index) hash = mix64(hash ^ static_cast<std::uint32_t>(k));
+          const Vec<K> x = position(cell, box, hash);
+          const double f = problem_.spacing.at(x);
+          if (!problem_.admits(spheres_, balls_, x, f)) continue;
+          const int region = region_at(cell, x);
+          if (region >= 0) found[block].push_back({{x, f}, region, hash});
+        }
+      },
+      1);
+  std::vector<Candidate> candidates;
+  for (const auto& part : found) candidates.insert(candidates.end(), part.begin(), part.end());
+  join(candidates);
+}
+
+template <int K>
+void ActiveCells<K>::join(const std::vector<Candidate>& candidates) {
+  std::vector<Ball<K>> balls;
+  std::vector<std::uint64_t> priority;
+  for (const Candidate& c : candidates) {
+    balls.push_back(c.sphere);
+    priority.push_back(c.priority);
+  }
+  const std::vector<std::uint8_t> joins = independent_set(balls, priority, problem_.spacing.lipschitz);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (joins[i] == 0) continue;
+    spheres_.add(candidates[i].sphere);
+    regions_.push_back(candidates[i].region);
+  }
+}
+
+template <int K>
+bool ActiveCells<K>::is_covered(const Cell& cell) const {
+  const Box<K> box = box_of(cell);
+  const Vec<K> m = box.center();
+  const double r = 0.5 * box.diagonal(), f = problem_.spacing.at(m), b = problem_.spacing.lipschitz;
+  if (spheres_.covers(m, r, f, b) || balls_.covers(m, r)) return true;
+  return problem_.breaks_far_rule(m, 2 * (f - b * r) - r);  // Then every point of the cell is nearer than 2 f.
+}
+
+template <int K>
+void ActiveCells<K>::prune() {
+  std::vector<std::uint8_t> covered(cells_.size());
+  parallel_for(cells_.size(), [&](std::size_t i) { covered[i] = is_covered(cells_[i]) ? 1 : 0; });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (covered[i] == 0) cells_[kept++] = cells_[i];
+  cells_.resize(kept);
+}
+
+template <int K>
+void ActiveCells<K>::split() {
+  constexpr std::size_t kBlock = 1024;
+  std::vector<std::vector<Cell>> parts((cells_.size() + kBlock - 1) / kBlock);
+  parallel_for(
+      parts.size(),
+      [&](std::size_t block) {
+        observer_.check_cancelled();
+        for (std::size_t i = block * kBlock; i < std::min(cells_.size(), (block + 1) * kBlock); ++i) {
+          for (Cell child : children(cells_[i])) {
+            if (is_covered(child)) continue;
+            locate(child, box_of(child));
+            if (child.mixed || child.region >= 0) parts[block].push_back(child);
+          }
+        }
+      },
+      1);
+  cells_.clear();
+  for (const auto& part : parts) cells_.insert(cells_.end(), part.begin(), part.end());
+}
+
+template <int K>
+double ActiveCells<K>::openness() const {
+  return parallel_reduce_ordered(
+      cells_.size(), 4096, 0.0,
+      [&](std::size_t begin, std::size_t end) {
+        double worst = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+          const Box<K> box = box_of(cells_[i]);
+          worst = std::max(worst, 0.5 * box.diagonal() / problem_.spacing.at(box.center()));
+        }
+        return worst * (1 + problem_.spacing.lipschitz);
+      },
+      [](double a, double b) { return std::max(a, b); });
+}
+
+template class ActiveCells<1>;
+template class ActiveCells<2>;
+template class ActiveCells<3>;
+
+}  // namespace voropack

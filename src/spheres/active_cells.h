@@ -1,0 +1,103 @@
+// The cells of a quadtree or octree in which there may still be room for an f-sphere, and the two ways to fill them:
+// lattice points where nothing is in the way, darts elsewhere. See Ebeida et al., CGF 31 (2012), for the dart throwing;
+// radii vary here.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "spheres/lattice.h"
+#include "spheres/packing_problem.h"
+
+namespace voropack {
+
+/// The region of a center that is on the boundary, or that was there from the start.
+inline constexpr int kNoRegion = -1;
+
+template <int K>
+class ActiveCells {
+ public:
+  /// Finds the cells that the fixed spheres and balls of the problem leave open, each at most 2 f / sqrt(K) wide, so
+  /// that it can hold the center of one sphere. With `lattice`, fills what is far from all obstacles with lattice
+  /// points.
+  ActiveCells(const PackingProblem<K>& problem, bool lattice, const Observer& observer);
+
+  /// One dart into each active cell, in random order: those that are admissible and do not conflict with an earlier one
+  /// join.
+  void throw_darts();
+  /// The same with the centers of the cells.
+  void try_centers();
+  /// Splits every active cell and drops the children that are covered or outside.
+  void split();
+  /// Drops the cells that are covered, without splitting.
+  void prune();
+
+  [[nodiscard]] std::size_t size() const { return cells_.size(); }
+  /// Largest of (1 + b) r / f(m) over the cells: how far from a blocked point a point of a cell can be, relative to f.
+  [[nodiscard]] double openness() const;
+
+  /// All spheres: the problem's fixed ones, its foreign ones, then those that joined.
+  [[nodiscard]] const SphereSet<K>& spheres() const { return spheres_; }
+  SphereSet<K>& spheres() { return spheres_; }
+  [[nodiscard]] const BallSet<K>& balls() const { return balls_; }
+  /// By sphere that joined: its region.
+  [[nodiscard]] const std::vector<int>& regions() const { return regions_; }
+  std::vector<int>& regions() { return regions_; }
+  [[nodiscard]] std::size_t first_new() const { return problem_.fixed.size() + problem_.foreign.size(); }
+
+ private:
+  struct Cell {
+    std::array<std::int32_t, K> index;
+    std::int16_t level;
+    bool mixed;           ///< A wall may pass through.
+    std::int32_t region;  ///< If not mixed.
+  };
+  /// A sphere that would like to join.
+  struct Candidate {
+    Ball<K> sphere;
+    int region;
+    std::uint64_t priority;
+  };
+  struct LatticePoint {
+    Vec<K> position;
+    int cls;
+    int region;  ///< kNoRegion if not known.
+    bool free;   ///< Nothing but points of other classes can be in the way.
+  };
+  struct Obstacles {
+    std::vector<std::uint32_t> spheres, balls;
+  };
+  struct Harvest {
+    std::vector<Cell> cells;
+    std::vector<LatticePoint> points;
+  };
+
+  [[nodiscard]] Box<K> box_of(const Cell& cell) const;
+  [[nodiscard]] double side(int level) const;
+  [[nodiscard]] Obstacles near(const Obstacles& from, const Box<K>& box, double f_max) const;
+  [[nodiscard]] std::vector<Cell> children(const Cell& cell) const;
+  void locate(Cell& cell, const Box<K>& box) const;
+  void subdivide(const Cell& cell, const Obstacles& parent, Harvest& out) const;
+  [[nodiscard]] bool is_covered(const Obstacles& near, const Vec<K>& m, double r, double f) const;
+  [[nodiscard]] bool is_covered(const Cell& cell) const;
+  [[nodiscard]] int region_at(const Cell& cell, const Vec<K>& x) const;
+  void place_lattice(const std::vector<LatticePoint>& points);
+  template <class Position>
+  void try_in_cells(std::uint64_t round, Position&& position);
+  void join(const std::vector<Candidate>& candidates);
+
+  const PackingProblem<K>& problem_;
+  const Observer& observer_;
+  Vec<K> origin_;
+  double side_ = 0;
+  std::optional<LatticeFamily<K>> lattice_;
+  SphereSet<K> spheres_;
+  BallSet<K> balls_;
+  std::vector<Cell> cells_;
+  std::vector<int> regions_;
+  std::uint64_t round_ = 0;
+};
+
+}  // namespace voropack

@@ -1,0 +1,229 @@
+#include "spheres/pack_interior.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "geom/circumball.h"
+#include "geom/kernel.h"
+#include "spheres/active_cells.h"
+#include "spheres/independent_set.h"
+#include "spheres/region_labels.h"
+
+namespace voropack {
+
+namespace {
+
+/// Levels of darts before the circumcenters take over: fewer leave more work to the triangulation, more waste darts.
+constexpr int kDartLevels = 2;
+
+/// Adds circumcenters to a packing until none can be added: Voronoi maximality.
+template <int K>
+class Completion {
+ public:
+  Completion(const PackingProblem<K>& problem, ActiveCells<K>& cells, const Observer& observer)
+      : problem_(problem), cells_(cells), observer_(observer) {}
+
+  /// False if a protected face is missing.
+  bool triangulate() {
+    vertex_of_.clear();
+    for (std::uint32_t i = 0; i < problem_.fixed.size(); ++i) vertex_of_.push_back(i);
+    for (std::uint32_t i = static_cast<std::uint32_t>(cells_.first_new()); i < cells_.spheres().size(); ++i)
+      vertex_of_.push_back(i);
+    std::vector<Vec<K>> points;
+    points.reserve(vertex_of_.size());
+    for (const std::uint32_t i : vertex_of_) points.push_back(cells_.spheres()[i].center);
+    kernel_.insert(points);
+    labels_ = label_regions<K>(kernel_, problem_.faces);
+    return labels_.missing_faces.empty() && labels_.leaking_faces.empty();
+  }
+
+  void complete() {
+    std::vector<std::uint32_t> slots = kernel_.take_created();
+    for (std::uint64_t round = 0; !slots.empty(); ++round) {
+      observer_.check_cancelled();
+      created_.clear();
+      add_circumcenters(slots, round);
+      slots.swap(created_);
+    }
+  }
+
+  void export_to(PackedInterior<K>& out) const {
+    out.broken_faces = labels_.missing_faces;
+    out.broken_faces.insert(out.broken_faces.end(), labels_.leaking_faces.begin(), labels_.leaking_faces.end());
+    if (!out.broken_faces.empty()) return;
+    out.triangulation = export_triangulation(kernel_, labels_.region);
+  }
+
+ private:
+  struct Candidate {
+    Ball<K> sphere;
+    int region;
+    std::uint32_t near;  ///< A vertex near to it.
+    double openness;     ///< Circumradius over f: how much room there is.
+  };
+
+  void add_circumcenters(const std::vector<std::uint32_t>& slots, std::uint64_t round) {
+    constexpr std::size_t kBlock = 4096;
+    std::vector<std::vector<Candidate>> found((slots.size() + kBlock - 1) / kBlock);
+    parallel_for(
+        found.size(),
+        [&](std::size_t block) {
+          for (std::size_t i = block * kBlock; i < std::min(slots.size(), (block + 1) * kBlock); ++i)
+            consider(slots[i], found[block]);
+        },
+        1);
+    std::vector<Candidate> candidates;
+    for (const auto& part : found) candidates.insert(candidates.end(), part.begin(), part.end());
+    if (candidates.empty()) return;
+    insert(candidates, round);
+  }
+
+  void consider(std::uint32_t slot, std::vector<Candidate>& out) const {
+    if (labels_.region[slot] < 0 || !kernel_.is_finite(slot)) return;
+    const auto corners = kernel_.corners(slot);
+    std::array<Vec<K>, K + 1> points;
+    for (std::size_t i = 0; i <= K; ++i) points[i] = sphere(corners[i]).center;
+    Vec<K> c = circumcenter(points);
+    if (!is_finite(c) || !problem_.bounds.contains(c)) return;
+    double f = problem_.spacing.at(c);
+    const double radius = distance(c, points[0]);
+    for (std::size_t i = 0; i <= K; ++i)
+      if (radius < f + sphere(corners[i]).radius) return;
+    if (problem_.jitter > 0) {
+      std::uint64_t h = hash_words(problem_.seed, corners[0], corners[1], corners[2]);
+      for (int k = 0; k < K; ++k) c[k] += problem_.jitter * f * (2 * to_unit(h = mix64(h)) - 1);
+      f = problem_.spacing.at(c);
+    }
+    if (!problem_.admits(cells_.spheres(), cells_.balls(), c, f)) return;
+    out.push_back({{c, f}, labels_.region[slot], corners[0], radius / f});
+  }
+
+  [[nodiscard]] const Ball<K>& sphere(std::uint32_t vertex) const { return cells_.spheres()[vertex_of_[vertex]]; }
+
+  /// The roomiest first: a packing that starts with its largest holes needs fewest spheres.
+  void insert(const std::vector<Candidate>& candidates, std::uint64_t round) {
+    std::vector<Ball<K>> balls;
+    std::vector<std::uint64_t> priority;
+    for (const Candidate& c : candidates) {
+      balls.push_back(c.sphere);
+      const auto room = static_cast<std::uint64_t>(std::max(0.0, 1e6 * (8 - c.openness)));
+      priority.push_back((room << 24U) | (hash_words(problem_.seed, round, priority.size()) >> 40U));
+    }
+    const std::vector<std::uint8_t> joins = independent_set(balls, priority, problem_.spacing.lipschitz);
+    const std::uint32_t first = kernel_.n_vertices();
+    std::vector<Vec<K>> points;
+    std::vector<std::uint32_t> hints;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (joins[i] == 0) continue;
+      vertex_of_.push_back(static_cast<std::uint32_t>(cells_.spheres().size()));
+      cells_.spheres().add(candidates[i].sphere);
+      cells_.regions().push_back(candidates[i].region);
+      points.push_back(candidates[i].sphere.center);
+      hints.push_back(candidates[i].near);
+    }
+    kernel_.insert(points, hints);
+    relabel(first);
+  }
+
+  /// A new simplex has a new vertex as a corner and lies in that vertex's region: protecting balls keep cavities from
+  /// crossing walls.
+  void relabel(std::uint32_t first_new_vertex) {
+    labels_.region.resize(kernel_.n_slots(), Walls<K>::kOutside);
+    created_ = kernel_.take_created();
+    for (const std::uint32_t slot : created_) {
+      int region = Walls<K>::kOutside;
+      for (const std::uint32_t v : kernel_.corners(slot))
+        if (v >= first_new_vertex && v != kInfiniteVertex)
+          region = cells_.regions()[vertex_of_[v] - cells_.first_new()];
+      labels_.region[slot] = region;
+    }
+  }
+
+  const PackingProblem<K>& problem_;
+  ActiveCells<K>& cells_;
+  const Observer& observer_;
+  DelaunayKernel<K> kernel_;
+  RegionLabels<K> labels_;
+  std::vector<std::uint32_t> vertex_of_;  ///< By vertex of the kernel: its sphere.
+  std::vector<std::uint32_t> created_;
+};
+
+/// Fills active cells until every ball of radius epsilon f holds a point that cannot be added.
+template <int K>
+void fill_to_epsilon(ActiveCells<K>& cells, const PackingProblem<K>& problem) {
+  // Filtering samples finer from the start: that is what oversampling means.
+  if (problem.form == PackingForm::kFiltered) cells.split();
+  while (cells.size() > 0 && cells.openness() > problem.epsilon) {
+    cells.throw_darts();
+    cells.split();
+  }
+  cells.try_centers();
+}
+
+}  // namespace
+
+template <int K>
+PackedInterior<K> pack_interior(const PackingProblem<K>& problem, bool want_triangulation, const Observer& observer) {
+  const bool voronoi = problem.form == PackingForm::kVoronoi;
+  ActiveCells<K> cells(problem, voronoi && problem.interior == Interior::kLattice, observer);
+  if (voronoi && K > 1) {
+    for (int level = 0; level < kDartLevels && cells.size() > 0; ++level) {
+      if (level > 0) cells.split();
+      cells.throw_darts();
+      cells.prune();
+      cells.throw_darts();
+    }
+  } else {
+    fill_to_epsilon(cells, problem);
+  }
+
+  PackedInterior<K> result;
+  if constexpr (K > 1) {
+    if (voronoi || want_triangulation) {
+      Completion<K> completion(problem, cells, observer);
+      if (completion.triangulate() && voronoi) completion.complete();
+      completion.export_to(result);
+    }
+  }
+  const auto& all = cells.spheres().spheres();
+  result.spheres.assign(all.begin() + static_cast<std::ptrdiff_t>(cells.first_new()), all.end());
+  result.regions = cells.regions();
+  return result;
+}
+
+std::vector<double> equidistribute(double length, const LocalSpacing<1>& spacing) {
+  // The measure ds / (2 f) by the midpoint rule on steps of at most a tenth of f.
+  std::vector<double> at = {0}, measure = {0};
+  while (at.back() < length) {
+    const double step = std::min(0.1 * spacing.at({at.back()}), length - at.back());
+    const double f = spacing.at({at.back() + 0.5 * step});
+    measure.push_back(measure.back() + step / (2 * f));
+    at.push_back(length - at.back() <= step ? length : at.back() + step);
+  }
+  auto parts = static_cast<std::size_t>(std::max(1.0, std::floor(measure.back() * (1 + 1e-12))));
+  for (;; --parts) {
+    std::vector<double> positions = {0};
+    std::size_t k = 0;
+    for (std::size_t i = 1; i < parts; ++i) {
+      const double target = measure.back() * static_cast<double>(i) / static_cast<double>(parts);
+      while (measure[k + 1] < target) ++k;
+      const double t = (target - measure[k]) / (measure[k + 1] - measure[k]);
+      positions.push_back(at[k] + t * (at[k + 1] - at[k]));
+    }
+    positions.push_back(length);
+    bool fits = true;
+    for (std::size_t i = 0; fits && i + 1 < positions.size(); ++i) {
+      const double sum = spacing.at({positions[i]}) + spacing.at({positions[i + 1]});
+      fits = positions[i + 1] - positions[i] >= sum * (1 - kPackingSlack);
+    }
+    if (fits || parts == 1) return {positions.begin() + 1, positions.end() - 1};
+  }
+}
+
+template PackedInterior<1> pack_interior(const PackingProblem<1>&, bool, const Observer&);
+template PackedInterior<2> pack_interior(const PackingProblem<2>&, bool, const Observer&);
+template PackedInterior<3> pack_interior(const PackingProblem<3>&, bool, const Observer&);
+
+}  // namespace voropack

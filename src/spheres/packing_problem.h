@@ -1,0 +1,75 @@
+// What the sphere-packing engine works on: the interior of one polytope of dimension K, given what is packed on its
+// boundary already.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "geom/wall_locator.h"
+#include "spheres/sphere_set.h"
+#include "voropack/observer.h"
+#include "voropack/packing.h"
+#include "voropack/vec.h"
+
+namespace voropack {
+
+/// The spacing function in the coordinates of the problem.
+template <int K>
+struct LocalSpacing {
+  std::function<double(const Vec<K>&)> at;
+  std::function<std::optional<double>(const Box<K>&)> constant_on;  ///< See Spacing::constant_on.
+  double lipschitz = 0;
+};
+
+/// A (K-1)-simplex of fixed spheres that the triangulation must contain, with the regions on its two sides (as in
+/// Walls).
+template <int K>
+struct ProtectedFace {
+  std::array<std::uint32_t, K> corners;  ///< Indices into PackingProblem::fixed.
+  std::array<int, 2> regions;
+};
+
+template <int K>
+struct PackingProblem {
+  Box<K> bounds;                          ///< Holds every region.
+  std::vector<Ball<K>> fixed;             ///< Spheres that are there already: on lower polytopes of this one.
+  std::vector<Ball<K>> foreign;           ///< Spheres on other polytopes: they conflict, but are no vertices here.
+  std::vector<Ball<K>> balls;             ///< Protecting balls: no new center may enter.
+  std::vector<ProtectedFace<K>> faces;    ///< The boundary of the regions.
+  const WallLocator<K>* walls = nullptr;  ///< Where a point is; nullptr: all of `bounds` is region 0.
+  bool keep_far = false;                  ///< The far rule: centers keep 2 f from every wall (Definition 3.3).
+  LocalSpacing<K> spacing;
+  PackingForm form = PackingForm::kVoronoi;
+  Interior interior = Interior::kLattice;
+  double epsilon = 0.25;
+  /// New centers move by up to this much, relative to f, at random: no four of them on a circle by symmetry.
+  double jitter = 0;
+  std::uint64_t seed = 1;
+
+  /// The region that holds x; negative outside. On a segment (K = 1) everything is region 0.
+  [[nodiscard]] int region_of(const Vec<K>& x) const {
+    if constexpr (K > 1)
+      if (walls != nullptr) return walls->region(x);
+    return 0;
+  }
+  /// False only if no wall meets the box.
+  [[nodiscard]] bool meets_wall(const Box<K>& box) const {
+    if constexpr (K > 1) return walls != nullptr && walls->touches(box);
+    return false;
+  }
+  /// True if the far rule holds here and x is nearer to a wall than `distance`.
+  [[nodiscard]] bool breaks_far_rule(const Vec<K>& x, double distance) const {
+    if constexpr (K > 1) return keep_far && distance > 0 && walls != nullptr && walls->is_near(x, distance);
+    return false;
+  }
+  /// True if `x` with radius f may join `set`: it keeps to the three rules of algorithm PACKING. Does not test where x
+  /// is.
+  [[nodiscard]] bool admits(const SphereSet<K>& set, const BallSet<K>& forbidden, const Vec<K>& x, double f) const {
+    return !set.conflicts(x, f) && !forbidden.forbids(x) && !breaks_far_rule(x, 2 * f);
+  }
+};
+
+}  // namespace voropack
