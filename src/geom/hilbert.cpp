@@ -1,0 +1,187 @@
+#include "geom/hilbert.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "base/random.h"
+
+namespace voropack {
+
+namespace {
+
+/// A point's key on the curve, with the number of its round in the four bits above it.
+struct Keyed {
+  std::uint64_t key;
+  std::uint32_t index;
+  friend constexpr auto operator<=>(const Keyed&, const Keyed&) = default;
+};
+
+constexpr int kRoundShift = 60;
+constexpr int kMaxRounds = 16;
+/// A round is 2^3 times as large as all rounds before it.
+constexpr int kRoundRatioBits = 3;
+/// The first round holds about this many points.
+constexpr std::uint64_t kFirstRound = 512;
+/// Runs of equal keys that are longer than this are sorted along a finer curve.
+constexpr std::ptrdiff_t kLongestTie = 32;
+
+/// The Hilbert curve as an automaton: one step per level of the grid, from the coarsest. A state is the pair of the
+/// curve's entry corner and direction in a cell [Hamilton, Compact Hilbert Indices, 2006, section 2.1].
+template <int K>
+struct CurveTable {
+  static constexpr unsigned kCorners = 1U << K;
+  static constexpr unsigned kStates = kCorners * K;
+  std::array<std::array<std::uint8_t, kCorners>, kStates> place{};  ///< Octant -> its place on the curve.
+  std::array<std::array<std::uint8_t, kCorners>, kStates> next{};   ///< Octant -> the state inside it.
+
+  static constexpr unsigned rotate_left(unsigned bits, unsigned by) {
+    by %= K;
+    return ((bits << by) | (bits >> (K - by))) & (kCorners - 1);
+  }
+  static constexpr unsigned gray(unsigned i) { return i ^ (i >> 1U); }
+  static constexpr unsigned entry(unsigned w) { return w == 0 ? 0 : gray(2 * ((w - 1) / 2)); }
+  static constexpr unsigned direction(unsigned w) {
+    if (w == 0) return 0;
+    return static_cast<unsigned>(std::countr_one(w % 2 == 0 ? w - 1 : w)) % K;
+  }
+
+  constexpr CurveTable() {
+    for (unsigned e = 0; e < kCorners; ++e)
+      for (unsigned d = 0; d < K; ++d)
+        for (unsigned w = 0; w < kCorners; ++w) {
+          const unsigned octant = rotate_left(gray(w), d + 1) ^ e;
+          const unsigned next_e = e ^ rotate_left(entry(w), d + 1);
+          const unsigned next_d = (d + direction(w) + 1) % K;
+          place[e * K + d][octant] = static_cast<std::uint8_t>(w);
+          next[e * K + d][octant] = static_cast<std::uint8_t>(next_e * K + next_d);
+        }
+  }
+};
+
+template <int K>
+constexpr CurveTable<K> kCurve{};
+
+/// Sorts `keyed` by key, then index: by bytes for many keys.
+void sort_keyed(std::vector<Keyed>& keyed) {
+  constexpr std::size_t kEnoughForRadix = 1U << 14U;
+  constexpr unsigned kDigitBits = 11;
+  constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
+  if (keyed.size() < kEnoughForRadix) {
+    std::sort(keyed.begin(), keyed.end());
+    return;
+  }
+  // Stable passes from the lowest digit. Indices ascend at first, so ties stay ordered by index.
+  std::vector<Keyed> other(keyed.size());
+  for (unsigned shift = 0; shift < 64; shift += kDigitBits) {
+    std::array<std::size_t, kDigits> start{};
+    for (const Keyed& k : keyed) ++start[(k.key >> shift) % kDigits];
+    std::size_t sum = 0;
+    for (std::size_t& s : start) sum += std::exchange(s, sum);
+    for (const Keyed& k : keyed) other[start[(k.key >> shift) % kDigits]++] = k;
+    keyed.swap(other);
+  }
+}
+
+template <int K>
+class Sorter {
+ public:
+  explicit Sorter(std::span<const Vec<K>> points) : points_(points) {}
+
+  /// Sorts `keyed`, whose entries name points and whose keys hold the round only.
+  void sort(std::vector<Keyed>& keyed) const {
+    set_keys(keyed);
+    const auto same_key = [](const Keyed& a, const Keyed& b) { return a.key == b.key; };
+    // One point many times, or differences too small or too large to scale: no finer curve helps.
+    if (std::equal(keyed.begin(), keyed.end() - 1, keyed.begin() + 1, same_key)) return;
+    sort_keyed(keyed);
+    for (auto first = keyed.begin(); first != keyed.end();) {
+      const auto last = std::find_if(first, keyed.end(), [&](const Keyed& k) { return !same_key(k, *first); });
+      if (last - first > kLongestTie) refine(first, last);
+      first = last;
+    }
+  }
+
+ private:
+  void set_keys(std::vector<Keyed>& keyed) const {
+    Box<K> box;
+    for (const Keyed& k : keyed) box.add(points_[k.index]);
+    double extent = 0;
+    for (int axis = 0; axis < K; ++axis) extent = std::max(extent, box.hi[axis] - box.lo[axis]);
+    const double cells = std::ldexp(1.0, kHilbertBits<K>);
+    const double scale = extent > 0 && std::isfinite(cells / extent) ? cells / extent : 0.0;
+    const double top = cells - 1;
+    for (Keyed& k : keyed) {
+      std::array<std::uint32_t, K> cell{};
+      for (int axis = 0; axis < K; ++axis)
+        cell[static_cast<std::size_t>(axis)] =
+            static_cast<std::uint32_t>(std::min((points_[k.index][axis] - box.lo[axis]) * scale, top));
+      k.key |= hilbert_key<K>(cell);
+    }
+  }
+
+  /// Sorts points that fell into one cell. The recursion ends because their box is at most a cell large.
+  void refine(std::vector<Keyed>::iterator first, std::vector<Keyed>::iterator last) const {
+    std::vector<Keyed> part(first, last);
+    for (Keyed& k : part) k.key = k.key >> kRoundShift << kRoundShift;
+    sort(part);
+    std::copy(part.begin(), part.end(), first);
+  }
+
+  std::span<const Vec<K>> points_;
+};
+
+template <int K>
+std::vector<std::uint32_t> order(std::span<const Vec<K>> points, std::vector<Keyed> keyed) {
+  if (!keyed.empty()) Sorter<K>(points).sort(keyed);
+  std::vector<std::uint32_t> indices(keyed.size());
+  for (std::size_t i = 0; i < keyed.size(); ++i) indices[i] = keyed[i].index;
+  return indices;
+}
+
+}  // namespace
+
+template <int K>
+std::uint64_t hilbert_key(const std::array<std::uint32_t, K>& cell) {
+  std::uint64_t key = 0;
+  unsigned state = 0;
+  for (int level = kHilbertBits<K> - 1; level >= 0; --level) {
+    unsigned octant = 0;
+    for (unsigned axis = 0; axis < K; ++axis) octant |= ((cell[axis] >> static_cast<unsigned>(level)) & 1U) << axis;
+    key = key << static_cast<unsigned>(K) | kCurve<K>.place[state][octant];
+    state = kCurve<K>.next[state][octant];
+  }
+  return key;
+}
+
+template <int K>
+std::vector<std::uint32_t> hilbert_order(std::span<const Vec<K>> points) {
+  std::vector<Keyed> keyed(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) keyed[i] = {0, static_cast<std::uint32_t>(i)};
+  return order<K>(points, std::move(keyed));
+}
+
+template <int K>
+std::vector<std::uint32_t> insertion_order(std::span<const Vec<K>> points) {
+  int n_rounds = 1;
+  for (std::uint64_t n = points.size() >> kRoundRatioBits; n >= kFirstRound && n_rounds < kMaxRounds;
+       n >>= kRoundRatioBits)
+    ++n_rounds;
+  std::vector<Keyed> keyed(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const int back = std::min(std::countr_zero(hash_words(i)) / kRoundRatioBits, n_rounds - 1);
+    keyed[i] = {static_cast<std::uint64_t>(n_rounds - 1 - back) << kRoundShift, static_cast<std::uint32_t>(i)};
+  }
+  return order<K>(points, std::move(keyed));
+}
+
+template std::uint64_t hilbert_key<2>(const std::array<std::uint32_t, 2>&);
+template std::uint64_t hilbert_key<3>(const std::array<std::uint32_t, 3>&);
+template std::vector<std::uint32_t> hilbert_order<2>(std::span<const Vec<2>>);
+template std::vector<std::uint32_t> hilbert_order<3>(std::span<const Vec<3>>);
+template std::vector<std::uint32_t> insertion_order<2>(std::span<const Vec<2>>);
+template std::vector<std::uint32_t> insertion_order<3>(std::span<const Vec<3>>);
+
+}  // namespace voropack

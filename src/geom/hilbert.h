@@ -1,0 +1,33 @@
+// The order in which a triangulation visits points: along a Hilbert curve, in rounds of growing density.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "voropack/vec.h"
+
+namespace voropack {
+
+/// Bits per axis of a Hilbert key.
+template <int K>
+inline constexpr int kHilbertBits = 60 / K;
+
+/// The place of the grid cell `cell` on the Hilbert curve through the grid with 2^kHilbertBits cells per axis: below
+/// 2^60. Keys that differ by one belong to cells that share a face.
+template <int K>
+std::uint64_t hilbert_key(const std::array<std::uint32_t, K>& cell);
+
+/// The indices of `points` along a Hilbert curve through their bounding box. Clusters too small for the curve's
+/// resolution are ordered along a finer curve of their own. Ties are broken by index. O(n log n).
+template <int K>
+std::vector<std::uint32_t> hilbert_order(std::span<const Vec<K>> points);
+
+/// A biased randomized insertion order (Amenta, Choi, Rote, SoCG 2003): each round holds about eight times as many
+/// points as all before, chosen by a hash of the index, and runs along the Hilbert curve. An early round spreads over
+/// the whole box, so no later insertion meets simplices that are much longer than its own.
+template <int K>
+std::vector<std::uint32_t> insertion_order(std::span<const Vec<K>> points);
+
+}  // namespace voropack

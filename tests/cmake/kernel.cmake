@@ -1,0 +1,2 @@
+voropack_test(bowyer_watson_test unit/bowyer_watson_test.cpp)
+voropack_test(delaunay_kernel_test property/delaunay_kernel_test.cpp)
