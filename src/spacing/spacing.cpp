@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "spacing/base_spacing.h"
+#include "spacing/spacing_sources.h"
+#include "spacing/spacing_tree.h"
 #include "spacing/wishes.h"
 
 namespace voropack {
@@ -12,6 +13,7 @@ template <int D>
 struct Spacing<D>::Impl {
   SpacingOptions options;
   std::shared_ptr<const SpacingSources<D>> sources;
+  std::shared_ptr<const SpacingTree<D>> tree;
   std::vector<SpacingCap<D>> caps;
   BoxTree<D> cap_tree;  // Over the caps' balls.
 };
@@ -19,7 +21,9 @@ struct Spacing<D>::Impl {
 template <int D>
 double Spacing<D>::operator()(const Vec<D>& x) const {
   const Impl& f = *impl_;
-  const double base = f.sources->search(x, std::numeric_limits<double>::infinity());
+  const double base =
+      f.tree->box().contains(x) ? (*f.tree)(x) : f.sources->search(x, std::numeric_limits<double>::infinity());
+  if (f.caps.empty()) return base;
   const double b = f.options.gradation;
   return f.cap_tree.minimize(x, b, base, [&](std::uint32_t i) {
     const SpacingCap<D>& cap = f.caps[i];
@@ -38,8 +42,18 @@ double Spacing<D>::feature_factor() const {
 }
 
 template <int D>
-std::optional<double> Spacing<D>::constant_on(const Box<D>&) const {
-  return std::nullopt;
+std::optional<double> Spacing<D>::constant_on(const Box<D>& box) const {
+  const Impl& f = *impl_;
+  const std::optional<double> base = f.tree->constant_on(box);
+  if (!base) return std::nullopt;
+  // Least on the box, by the distance from the ball to the box.
+  const double b = f.options.gradation;
+  const double radius = 0.5 * box.diagonal();
+  const double caps = f.cap_tree.minimize(box.center(), b, *base + b * radius, [&](std::uint32_t i) {
+    const SpacingCap<D>& cap = f.caps[i];
+    return cap.value + b * std::max(0.0, distance(box.center(), cap.center) - cap.radius);
+  });
+  return caps - b * radius < *base ? std::nullopt : base;
 }
 
 template <int D>
@@ -85,6 +99,7 @@ Spacing<D> build_spacing(const Domain<D>& domain, const SizeWishes<D>& wishes, c
   sources->constant = std::min(everywhere, a * diameter);
   auto impl = std::make_shared<typename Spacing<D>::Impl>();
   impl->options = options;
+  impl->tree = std::make_shared<SpacingTree<D>>(domain, *sources, observer);
   impl->sources = std::move(sources);
   return Spacing<D>(std::move(impl));
 }
