@@ -28,6 +28,14 @@ inline constexpr double kPackingSlack = 1e-12;
 /// The certificate's counterpart of kPackingSlack: looser, so that the maker's rounding does not fail it.
 inline constexpr double kPackingCheckSlack = 1e-10;
 
+/// A facet whose points are this near to its plane, relative to the domain's diameter, is flat up to rounding:
+/// distances to it may be measured from the plane without disturbing the Lipschitz condition of the spacing.
+inline constexpr double kFlatTolerance = 1e-14;
+
+/// Cells of the spacing's tree are taken this much larger, relative to the tree's root, when it is decided which
+/// sources matter in them, so that a point that rounding puts into the neighboring cell finds its sources there.
+inline constexpr double kCellTolerance = 1e-10;
+
 /// `relative` times the size of `box`, plus 16 ulp of its largest coordinate: what input far from the origin can
 /// resolve.
 template <int D>

@@ -1,0 +1,333 @@
+#include "base/expression.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "base/names.h"
+
+namespace voropack {
+
+namespace {
+
+/// Nesting allowed in a formula: far more than anybody writes, far less than what the call stack holds.
+constexpr int kMaxDepth = 200;
+/// Excerpts in messages show this much of the formula on each side of the fault.
+constexpr std::size_t kExcerpt = 60;
+/// Programs that need no more than this are evaluated without allocating.
+constexpr std::size_t kSmallStack = 32;
+
+bool is_name_start(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+bool is_name_char(char c) { return is_name_start(c) || std::isdigit(static_cast<unsigned char>(c)) != 0; }
+
+}  // namespace
+
+std::string ExpressionFault::text(std::string_view formula) const {
+  const std::size_t at = std::min(column - 1, formula.size());
+  const std::size_t begin = at > kExcerpt ? at - kExcerpt : 0;
+  std::string excerpt(formula.substr(begin, 2 * kExcerpt));
+  // One byte of the excerpt is one column, or the caret would be off.
+  for (char& c : excerpt)
+    if (std::isprint(static_cast<unsigned char>(c)) == 0) c = '?';
+  return fmt::format("{} at column {}:\n  {}\n  {:>{}}", reason, column, excerpt, '^', at - begin + 1);
+}
+
+/// Recursive descent; emits the program in postfix order.
+class ExpressionParser {
+ public:
+  ExpressionParser(std::string_view text, std::span<const std::string> variables, Expression& target)
+      : text_(text), variables_(variables), target_(target) {}
+
+  void parse() {
+    comparison();
+    if (peek() != '\0' || at_ < text_.size()) fail(fmt::format("unexpected '{}'", shown(text_[at_])), at_);
+  }
+
+ private:
+  using Op = Expression::Op;
+  struct Function {
+    std::string_view name;
+    Op op;
+    std::size_t least, most;  ///< Number of arguments.
+  };
+  static constexpr std::size_t kAnyNumber = 1000;
+  static constexpr std::array<Function, 12> kFunctions = {{{"sqrt", Op::kSqrt, 1, 1},
+                                                           {"abs", Op::kAbs, 1, 1},
+                                                           {"exp", Op::kExp, 1, 1},
+                                                           {"log", Op::kLog, 1, 1},
+                                                           {"sin", Op::kSin, 1, 1},
+                                                           {"cos", Op::kCos, 1, 1},
+                                                           {"tan", Op::kTan, 1, 1},
+                                                           {"min", Op::kMin, 1, kAnyNumber},
+                                                           {"max", Op::kMax, 1, kAnyNumber},
+                                                           {"pow", Op::kPower, 2, 2},
+                                                           {"hypot", Op::kHypot, 2, 2},
+                                                           {"if", Op::kIf, 3, 3}}};
+
+  [[noreturn]] void fail(std::string reason, std::size_t at) const {
+    throw ExpressionError({std::move(reason), at + 1}, text_);
+  }
+  static char shown(char c) { return std::isprint(static_cast<unsigned char>(c)) != 0 ? c : '?'; }
+
+  char peek() {
+    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) != 0) ++at_;
+    return at_ < text_.size() ? text_[at_] : '\0';
+  }
+  bool accept(std::string_view token) {
+    if (peek() == '\0' || text_.substr(at_, token.size()) != token) return false;
+    at_ += token.size();
+    return true;
+  }
+  void expect(char c, std::string_view what) {
+    if (!accept(std::string_view(&c, 1))) fail(fmt::format("expected '{}' {}", c, what), at_);
+  }
+  void enter() {
+    if (++depth_ > kMaxDepth) fail(fmt::format("nested more than {} deep", kMaxDepth), at_);
+  }
+  void leave() { --depth_; }
+
+  void emit(Op op, std::size_t pops, double number = 0, std::uint32_t variable = 0) {
+    target_.program_.push_back({op, variable, number});
+    stack_ = stack_ - pops + 1;
+    target_.stack_size_ = std::max(target_.stack_size_, stack_);
+  }
+
+  void comparison() {
+    // Longest first, so that "<=" is not read as "<".
+    static constexpr std::array<std::pair<std::string_view, Op>, 6> kOperators = {{{"<=", Op::kLessEqual},
+                                                                                   {">=", Op::kGreaterEqual},
+                                                                                   {"==", Op::kEqual},
+                                                                                   {"!=", Op::kNotEqual},
+                                                                                   {"<", Op::kLess},
+                                                                                   {">", Op::kGreater}}};
+    enter();
+    sum();
+    for (const auto& [token, op] : kOperators) {
+      if (!accept(token)) continue;
+      sum();
+      emit(op, 2);
+      break;
+    }
+    leave();
+  }
+
+  void sum() {
+    product();
+    for (;;) {
+      if (accept("+")) {
+        product();
+        emit(Op::kAdd, 2);
+      } else if (accept("-")) {
+        product();
+        emit(Op::kSubtract, 2);
+      } else {
+        return;
+      }
+    }
+  }
+
+  void product() {
+    unary();
+    for (;;) {
+      if (accept("*")) {
+        if (peek() == '*') fail("unexpected '*'; a power is written '^'", at_);
+        unary();
+        emit(Op::kMultiply, 2);
+      } else if (accept("/")) {
+        unary();
+        emit(Op::kDivide, 2);
+      } else {
+        return;
+      }
+    }
+  }
+
+  void unary() {
+    bool negative = false;
+    for (;;) {
+      if (accept("-"))
+        negative = !negative;
+      else if (!accept("+"))
+        break;
+    }
+    power();
+    if (negative) emit(Op::kNegate, 1);
+  }
+
+  void power() {
+    primary();
+    if (!accept("^")) return;
+    enter();
+    unary();
+    leave();
+    emit(Op::kPower, 2);
+  }
+
+  void primary() {
+    const char c = peek();
+    if (c == '\0') fail("expected a value", at_);
+    if (accept("(")) {
+      comparison();
+      expect(')', "to close a parenthesis");
+      return;
+    }
+    if (std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.') {
+      number();
+      return;
+    }
+    if (!is_name_start(c)) fail(fmt::format("expected a value, found '{}'", shown(c)), at_);
+    const std::size_t begin = at_;
+    while (at_ < text_.size() && is_name_char(text_[at_])) ++at_;
+    name(text_.substr(begin, at_ - begin), begin);
+  }
+
+  void number() {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
+    if (error == std::errc::result_out_of_range) fail("number out of range", at_);
+    if (error != std::errc()) fail("not a number", at_);
+    at_ = static_cast<std::size_t>(end - text_.data());
+    emit(Op::kNumber, 0, value);
+  }
+
+  void name(std::string_view word, std::size_t begin) {
+    if (peek() == '(') {
+      for (const Function& function : kFunctions)
+        if (function.name == word) return call(function, begin);
+    }
+    for (std::size_t i = 0; i < variables_.size(); ++i)
+      if (variables_[i] == word) return emit(Op::kVariable, 0, 0, static_cast<std::uint32_t>(i));
+    if (word == "pi") return emit(Op::kNumber, 0, std::numbers::pi);
+    if (word == "e") return emit(Op::kNumber, 0, std::numbers::e);
+    std::vector<std::string> known(variables_.begin(), variables_.end());
+    known.insert(known.end(), {"pi", "e"});
+    for (const Function& function : kFunctions) {
+      if (function.name == word) fail(fmt::format("function '{}' needs arguments in parentheses", word), begin);
+      known.emplace_back(function.name);
+    }
+    const std::string near = nearest_name(word, known);
+    const std::string hint = near.empty() ? "known are " + join_names(known) : fmt::format("did you mean '{}'?", near);
+    fail(fmt::format("unknown name '{}'; {}", word, hint), begin);
+  }
+
+  void call(const Function& function, std::size_t begin) {
+    expect('(', "after a function");
+    std::size_t count = 0;
+    if (peek() == ')') fail("expected a value", at_);
+    do {
+      comparison();
+      ++count;
+      // Of more than two, fold from the left.
+      if (count > 1 && function.most == kAnyNumber) emit(function.op, 2);
+    } while (accept(","));
+    expect(')', "to end the arguments of a function");
+    if (count < function.least || count > function.most)
+      fail(fmt::format("'{}' takes {} argument{}, not {}", function.name, function.least,
+                       function.least == 1 ? "" : "s", count),
+           begin);
+    if (function.most != kAnyNumber) emit(function.op, function.most);
+  }
+
+  std::string_view text_;
+  std::span<const std::string> variables_;
+  Expression& target_;
+  std::size_t at_ = 0;
+  std::size_t stack_ = 0;
+  int depth_ = 0;
+};
+
+Expression::Expression(std::string_view text, std::span<const std::string> variables) {
+  ExpressionParser(text, variables, *this).parse();
+}
+
+double Expression::apply(Op op, double a, double b) {
+  switch (op) {
+    case Op::kAdd:
+      return a + b;
+    case Op::kSubtract:
+      return a - b;
+    case Op::kMultiply:
+      return a * b;
+    case Op::kDivide:
+      return a / b;
+    case Op::kPower:
+      return std::pow(a, b);
+    case Op::kLess:
+      return a < b ? 1 : 0;
+    case Op::kLessEqual:
+      return a <= b ? 1 : 0;
+    case Op::kGreater:
+      return a > b ? 1 : 0;
+    case Op::kGreaterEqual:
+      return a >= b ? 1 : 0;
+    case Op::kEqual:
+      return a == b ? 1 : 0;
+    case Op::kNotEqual:
+      return a != b ? 1 : 0;
+    case Op::kMin:
+      return std::fmin(a, b);
+    case Op::kMax:
+      return std::fmax(a, b);
+    case Op::kHypot:
+      return std::hypot(a, b);
+    case Op::kNegate:
+      return -b;
+    case Op::kSqrt:
+      return std::sqrt(b);
+    case Op::kAbs:
+      return std::abs(b);
+    case Op::kExp:
+      return std::exp(b);
+    case Op::kLog:
+      return std::log(b);
+    case Op::kSin:
+      return std::sin(b);
+    case Op::kCos:
+      return std::cos(b);
+    case Op::kTan:
+      return std::tan(b);
+    default:
+      return b;
+  }
+}
+
+double Expression::operator()(std::span<const double> values) const {
+  std::array<double, kSmallStack> small;
+  std::vector<double> large(stack_size_ > kSmallStack ? stack_size_ : 0);
+  double* top = large.empty() ? small.data() : large.data();  // One past the last value.
+  for (const Step& step : program_) {
+    switch (step.op) {
+      case Op::kNumber:
+        *top++ = step.number;
+        break;
+      case Op::kVariable:
+        *top++ = values[step.variable];
+        break;
+      case Op::kNegate:
+      case Op::kSqrt:
+      case Op::kAbs:
+      case Op::kExp:
+      case Op::kLog:
+      case Op::kSin:
+      case Op::kCos:
+      case Op::kTan:
+        top[-1] = apply(step.op, 0, top[-1]);
+        break;
+      case Op::kIf:
+        top -= 2;
+        top[-1] = top[-1] != 0 ? top[0] : top[1];
+        break;
+      default:
+        --top;
+        top[-1] = apply(step.op, top[-1], top[0]);
+    }
+  }
+  return top[-1];
+}
+
+}  // namespace voropack

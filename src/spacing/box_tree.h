@@ -1,0 +1,137 @@
+// A binary tree of bounding boxes over any items, for nearest-first and least-value searches.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "voropack/vec.h"
+
+namespace voropack {
+
+/// Items are known by their number and box; each may carry a value from which its function grows (see `minimize`).
+template <int D>
+class BoxTree {
+ public:
+  struct Node {
+    Box<D> box;
+    double value = 0;         ///< The least value of an item below.
+    std::uint32_t first = 0;  ///< A leaf's first slot in `order`, or the first of two children.
+    std::uint32_t count = 0;  ///< Number of items in a leaf; 0 for an inner node.
+  };
+
+  BoxTree() = default;
+  /// `values` is empty (all zero) or as long as `boxes`. O(n log n).
+  explicit BoxTree(std::span<const Box<D>> boxes, std::span<const double> values = {}) {
+    order_.resize(boxes.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i) order_[i] = static_cast<std::uint32_t>(i);
+    if (boxes.empty()) return;
+    nodes_.reserve(boxes.size());
+    nodes_.emplace_back();
+    build(0, 0, boxes.size(), boxes, values);
+  }
+
+  [[nodiscard]] bool empty() const { return nodes_.empty(); }
+  [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
+  [[nodiscard]] std::span<const std::uint32_t> items(const Node& node) const {
+    return {&order_[node.first], node.count};
+  }
+
+  /// visit(item) for every item below nodes whose box passes `enter`.
+  template <class Enter, class Visit>
+  void for_each(Enter&& enter, Visit&& visit) const {
+    if (nodes_.empty()) return;
+    std::uint32_t stack[kMaxDepth];
+    int size = 0;
+    stack[size++] = 0;
+    while (size > 0) {
+      const Node& node = nodes_[stack[--size]];
+      if (!enter(node.box)) continue;
+      if (node.count > 0) {
+        for (std::uint32_t item : items(node)) visit(item);
+      } else {
+        stack[size++] = node.first + 1;
+        stack[size++] = node.first;
+      }
+    }
+  }
+
+  /// The least of `bound` and value_at(item) over all items, where value_at(item) is at least the item's value plus
+  /// `slope` times the distance from x to its box.
+  template <class ValueAt>
+  double minimize(const Vec<D>& x, double slope, double bound, ValueAt&& value_at) const {
+    if (nodes_.empty()) return bound;
+    struct Entry {
+      double lower;
+      std::uint32_t node;
+    };
+    Entry stack[kMaxDepth];
+    int size = 0;
+    const auto lower = [&](std::uint32_t n) {
+      return nodes_[n].value + slope * std::sqrt(nodes_[n].box.distance_sq(x));
+    };
+    stack[size++] = {lower(0), 0};
+    while (size > 0) {
+      const Entry entry = stack[--size];
+      if (!(entry.lower < bound)) continue;
+      const Node& node = nodes_[entry.node];
+      if (node.count > 0) {
+        for (std::uint32_t item : items(node)) bound = std::min(bound, value_at(item));
+        continue;
+      }
+      Entry a{lower(node.first), node.first};
+      Entry b{lower(node.first + 1), node.first + 1};
+      if (b.lower < a.lower) std::swap(a, b);
+      stack[size++] = b;
+      stack[size++] = a;
+    }
+    return bound;
+  }
+
+ private:
+  static constexpr std::size_t kLeafSize = 4;
+  static constexpr int kMaxDepth = 128;  // Median splits of at most 2^32 items: depth 32, two entries a level.
+
+  void build(std::uint32_t at, std::size_t begin, std::size_t end, std::span<const Box<D>> boxes,
+             std::span<const double> values) {
+    Box<D> box;
+    Box<D> centers;
+    double value = std::numeric_limits<double>::infinity();
+    for (std::size_t i = begin; i < end; ++i) {
+      box.add(boxes[order_[i]]);
+      centers.add(boxes[order_[i]].center());
+      value = std::min(value, values.empty() ? 0.0 : values[order_[i]]);
+    }
+    nodes_[at].box = box;
+    nodes_[at].value = value;
+    if (end - begin <= kLeafSize) {
+      nodes_[at].first = static_cast<std::uint32_t>(begin);
+      nodes_[at].count = static_cast<std::uint32_t>(end - begin);
+      return;
+    }
+    int axis = 0;
+    for (int k = 1; k < D; ++k)
+      if (centers.hi[k] - centers.lo[k] > centers.hi[axis] - centers.lo[axis]) axis = k;
+    const std::size_t middle = (begin + end) / 2;
+    const auto at_index = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at_index(begin), at_index(middle), at_index(end), [&](std::uint32_t i, std::uint32_t j) {
+      const double ci = boxes[i].lo[axis] + boxes[i].hi[axis];
+      const double cj = boxes[j].lo[axis] + boxes[j].hi[axis];
+      return ci < cj || (ci == cj && i < j);
+    });
+    const auto child = static_cast<std::uint32_t>(nodes_.size());
+    nodes_[at].first = child;
+    nodes_[at].count = 0;
+    nodes_.emplace_back();
+    nodes_.emplace_back();
+    build(child, begin, middle, boxes, values);
+    build(child + 1, middle, end, boxes, values);
+  }
+
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> order_;
+};
+
+}  // namespace voropack

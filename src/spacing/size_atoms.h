@@ -1,0 +1,81 @@
+// User sizes as a family of Lipschitz functions ("atoms") whose minimum is the sizing part of f.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "spacing/box_tree.h"
+#include "spacing/polytope_set.h"
+#include "spacing/region_locator.h"
+#include "voropack/domain.h"
+
+namespace voropack {
+
+/// A function value + slope * (distance from x to a set), or the envelope of an affine function on a simplex, whose
+/// least value `value` is. In both cases it is at least value + slope * (distance from x to the atom's box).
+struct SizeAtom {
+  enum class Kind : std::uint8_t {
+    kItem,     ///< Distance to item `index` of the polytopes.
+    kBox,      ///< Distance to box `index`.
+    kSimplex,  ///< Envelope on simplex `index` of the size field.
+  };
+  double value;
+  Kind kind;
+  std::uint32_t index;
+};
+
+/// A simplex of the size field with values of f at its corners.
+template <int D>
+struct FieldSimplex {
+  std::array<Vec<D>, D + 1> corner;
+  std::array<double, D + 1> value;
+};
+
+/// A value that holds throughout a region's closure. Its continuation outside is one atom for each wall item.
+struct RegionValue {
+  double value;
+  RegionId region;
+  friend auto operator<=>(const RegionValue&, const RegionValue&) = default;
+};
+
+/// Refers to `polytopes` and `locator`, which must outlive it. Fill, then `finish`.
+template <int D>
+class SizeAtoms {
+ public:
+  SizeAtoms(const PolytopeSet<D>& polytopes, const RegionLocator<D>& locator, double slope)
+      : polytopes_(&polytopes), locator_(&locator), slope_(slope) {}
+
+  void add_item(double value, std::uint32_t item) { atoms_.push_back({value, SizeAtom::Kind::kItem, item}); }
+  void add_polytope(double value, std::uint32_t polytope);
+  void add_region(double value, RegionId region);
+  void add_box(double value, const Box<D>& box);
+  void add_simplex(const FieldSimplex<D>& simplex);
+  /// Drops repetitions and builds the search tree.
+  void finish();
+
+  [[nodiscard]] double slope() const { return slope_; }
+  [[nodiscard]] std::size_t size() const { return atoms_.size(); }
+  [[nodiscard]] const SizeAtom& atom(std::uint32_t i) const { return atoms_[i]; }
+  [[nodiscard]] Box<D> atom_box(std::uint32_t i) const;
+  [[nodiscard]] double at(std::uint32_t i, const Vec<D>& x) const;
+  /// By value, the least first.
+  [[nodiscard]] const std::vector<RegionValue>& regions() const { return regions_; }
+  [[nodiscard]] const RegionLocator<D>& locator() const { return *locator_; }
+  /// The least of `bound`, all atoms and all region values at x.
+  [[nodiscard]] double minimum(const Vec<D>& x, double bound) const;
+
+ private:
+  const PolytopeSet<D>* polytopes_;
+  const RegionLocator<D>* locator_;
+  double slope_;
+  std::vector<SizeAtom> atoms_;
+  std::vector<Box<D>> boxes_;
+  std::vector<FieldSimplex<D>> simplices_;
+  std::vector<RegionValue> regions_;
+  BoxTree<D> tree_;
+};
+
+}  // namespace voropack

@@ -1,0 +1,114 @@
+#include "voropack/spacing.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "spacing/spacing_sources.h"
+#include "spacing/spacing_tree.h"
+#include "spacing/wishes.h"
+
+namespace voropack {
+
+template <int D>
+struct Spacing<D>::Impl {
+  SpacingOptions options;
+  std::shared_ptr<const SpacingSources<D>> sources;
+  std::shared_ptr<const SpacingTree<D>> tree;
+  std::vector<SpacingCap<D>> caps;
+  BoxTree<D> cap_tree;  // Over the caps' balls.
+};
+
+template <int D>
+double Spacing<D>::operator()(const Vec<D>& x) const {
+  const Impl& f = *impl_;
+  const double base =
+      f.tree->box().contains(x) ? (*f.tree)(x) : f.sources->search(x, std::numeric_limits<double>::infinity());
+  if (f.caps.empty()) return base;
+  const double b = f.options.gradation;
+  return f.cap_tree.minimize(x, b, base, [&](std::uint32_t i) {
+    const SpacingCap<D>& cap = f.caps[i];
+    return cap.value + b * std::max(0.0, distance(x, cap.center) - cap.radius);
+  });
+}
+
+template <int D>
+double Spacing<D>::lipschitz() const {
+  return impl_->options.gradation;
+}
+
+template <int D>
+double Spacing<D>::feature_factor() const {
+  return impl_->options.feature_factor;
+}
+
+template <int D>
+std::optional<double> Spacing<D>::constant_on(const Box<D>& box) const {
+  const Impl& f = *impl_;
+  const std::optional<double> base = f.tree->constant_on(box);
+  if (!base) return std::nullopt;
+  // Least on the box, by the distance from the ball to the box.
+  const double b = f.options.gradation;
+  const double radius = 0.5 * box.diagonal();
+  const double caps = f.cap_tree.minimize(box.center(), b, *base + b * radius, [&](std::uint32_t i) {
+    const SpacingCap<D>& cap = f.caps[i];
+    return cap.value + b * std::max(0.0, distance(box.center(), cap.center) - cap.radius);
+  });
+  return caps - b * radius < *base ? std::nullopt : base;
+}
+
+template <int D>
+Spacing<D> Spacing<D>::with_caps(const std::vector<SpacingCap<D>>& caps) const {
+  auto impl = std::make_shared<Impl>(*impl_);
+  impl->caps.insert(impl->caps.end(), caps.begin(), caps.end());
+  std::vector<Box<D>> boxes;
+  std::vector<double> values;
+  for (const SpacingCap<D>& cap : impl->caps) {
+    Box<D> box(cap.center, cap.center);
+    box.inflate(cap.radius);
+    boxes.push_back(box);
+    values.push_back(cap.value);
+  }
+  impl->cap_tree = BoxTree<D>(boxes, values);
+  return Spacing(std::move(impl));
+}
+
+template <int D>
+double Spacing<D>::integral(const Domain<D>& domain) const {
+  double measure = 0;
+  for (double m : domain.region_measure) measure += m;
+  return measure / std::pow((*this)(domain.box.center()), D);
+}
+
+template <int D>
+Spacing<D> build_spacing(const Domain<D>& domain, const SizeWishes<D>& wishes, const SpacingOptions& options,
+                         Observer& observer) {
+  check_spacing_options(options);
+  const double diameter = domain.diameter();
+  if (!(std::isfinite(diameter) && diameter > 0))
+    throw OptionError(Fault{.id = "spacing.unbounded",
+                            .message = "nothing bounds the spacing, because the domain has no extent",
+                            .fix = "give a domain with at least one region"});
+  const double a = options.feature_factor;
+  const double b = options.gradation;
+  auto sources =
+      std::make_shared<SpacingSources<D>>(domain, PairWeights{std::min(a, b), std::max(0.0, 0.5 * (a - b))}, b);
+  const double everywhere =
+      add_wishes(domain, wishes, options, sources->polytopes, sources->locator, sources->sizes, observer);
+  sources->sizes.finish();
+  // a * lfs never exceeds a * diameter inside the box, so this binds only where there is no disjoint pair.
+  sources->constant = std::min(everywhere, a * diameter);
+  auto impl = std::make_shared<typename Spacing<D>::Impl>();
+  impl->options = options;
+  impl->tree = std::make_shared<SpacingTree<D>>(domain, *sources, observer);
+  impl->sources = std::move(sources);
+  return Spacing<D>(std::move(impl));
+}
+
+#define VOROPACK_INSTANTIATE(D) \
+  template class Spacing<D>;    \
+  template Spacing<D> build_spacing<D>(const Domain<D>&, const SizeWishes<D>&, const SpacingOptions&, Observer&);
+VOROPACK_INSTANTIATE(2)
+VOROPACK_INSTANTIATE(3)
+#undef VOROPACK_INSTANTIATE
+
+}  // namespace voropack

@@ -1,0 +1,1 @@
+voropack_test(spacing_lfs_test property/spacing_lfs_test.cpp)
