@@ -1,0 +1,395 @@
+#include "voropack/dual.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "base/incidence.h"
+#include "base/parallel.h"
+#include "dual/face_weight.h"
+#include "dual/simplex_faces.h"
+
+namespace voropack {
+
+namespace {
+
+constexpr std::size_t kBlock = 4096;  // Vertices or simplices per task.
+
+/// [simplex][i] the share of the simplex in the weight q of the face opposite to corner i (face_weight.h): one half of
+/// an interior face's q, so that both its simplices add up to q; all of q where the region ends.
+template <int D>
+using Shares = IdVector<SimplexId, std::array<double, D + 1>>;
+
+struct ShareStatistics {
+  std::uint64_t n_beyond_double = 0;
+  bool conforming = true;  ///< No weight is negative.
+
+  friend ShareStatistics operator+(ShareStatistics a, const ShareStatistics& b) {
+    return {a.n_beyond_double + b.n_beyond_double, a.conforming && b.conforming};
+  }
+};
+
+[[noreturn]] void throw_degenerate(SimplexId s, SimplexId t, std::vector<double> position) {
+  std::string which = "simplex " + std::to_string(s.value());
+  if (!t.is_none()) which += " or its neighbor " + std::to_string(t.value());
+  throw InputError(Fault{.id = "mesh.degenerate_simplex",
+                         .message = which + " is flat or not positively oriented, so that it has no circumcenter",
+                         .fix = "orient all simplices positively and remove flat ones",
+                         .position = std::move(position)});
+}
+
+template <int D>
+std::array<Vec<D>, D> positions(const Mesh<D>& mesh, const std::array<VertexId, D>& vertices) {
+  std::array<Vec<D>, D> p;
+  for (std::size_t k = 0; k < D; ++k) p[k] = mesh.points[vertices[k]];
+  return p;
+}
+
+/// Writes the shares of the faces that s answers for: those to no simplex, to another region, or to a later simplex.
+template <int D>
+ShareStatistics compute_shares_of(const Mesh<D>& mesh, SimplexId s, Shares<D>& shares) {
+  ShareStatistics statistics;
+  for (int i = 0; i <= D; ++i) {
+    const auto corner = static_cast<std::size_t>(i);
+    const SimplexId t = neighbor_in_region(mesh, s, i);
+    if (!t.is_none() && t < s) continue;
+    const std::array<Vec<D>, D> face = positions<D>(mesh, face_vertices(mesh, s, i));
+    const Vec<D>& above = mesh.points[mesh.simplex_vertices[s][corner]];
+    FaceWeight weight;
+    if (t.is_none()) {
+      weight = boundary_weight<D>(face, above);
+      shares[s][corner] = weight.value;
+    } else {
+      const auto mirror = static_cast<std::size_t>(mirror_corner(mesh, s, t, i));
+      weight = interior_weight<D>(face, above, mesh.points[mesh.simplex_vertices[t][mirror]]);
+      shares[s][corner] = 0.5 * weight.value;
+      shares[t][mirror] = 0.5 * weight.value;
+    }
+    if (std::isnan(weight.value)) throw_degenerate(s, t, {above.coord.begin(), above.coord.end()});
+    statistics = statistics + ShareStatistics{weight.beyond_double ? 1U : 0U, weight.value >= 0};
+  }
+  return statistics;
+}
+
+template <int D>
+ShareStatistics compute_shares(const Mesh<D>& mesh, Observer& observer, Shares<D>& shares) {
+  shares.resize(mesh.simplex_vertices.size());
+  return parallel_reduce_ordered(
+      shares.size(), kBlock, ShareStatistics{},
+      [&](std::size_t begin, std::size_t end) {
+        observer.check_cancelled();
+        ShareStatistics statistics;
+        for (std::size_t s = begin; s != end; ++s)
+          statistics = statistics + compute_shares_of(mesh, SimplexId(s), shares);
+        return statistics;
+      },
+      [](const ShareStatistics& a, const ShareStatistics& b) { return a + b; });
+}
+
+/// One edge (i, j) in one region while the simplices around i are visited.
+struct EdgeSum {
+  VertexId other;
+  int region = 0;
+  std::uint32_t next = 0;  ///< The next entry with the same `other`, or kNoEntry.
+  std::uint32_t n_terms = 0;
+  double sum = 0;        ///< 4 A / h in 3D, A / h in 2D.
+  double magnitude = 0;  ///< Sum of the terms' magnitudes before any cancellation.
+};
+
+constexpr std::uint32_t kNoEntry = static_cast<std::uint32_t>(-1);
+
+/// The edges of one vertex, found by their other end in constant time. One per thread, reused for each vertex.
+class EdgeTable {
+ public:
+  explicit EdgeTable(std::size_t n_vertices) : first_(n_vertices, kNoEntry) {}
+
+  EdgeSum& at(VertexId other, int region) {
+    std::uint32_t& first = first_[other];
+    for (std::uint32_t e = first; e != kNoEntry; e = entries_[e].next)
+      if (entries_[e].region == region) return entries_[e];
+    entries_.push_back({other, region, first});
+    first = static_cast<std::uint32_t>(entries_.size() - 1);
+    return entries_.back();
+  }
+
+  /// The entries in ascending order of other end and region, which are then forgotten.
+  std::vector<EdgeSum>& take_sorted() {
+    for (const EdgeSum& e : entries_) first_[e.other] = kNoEntry;
+    taken_.clear();
+    std::swap(taken_, entries_);
+    std::sort(taken_.begin(), taken_.end(), [](const EdgeSum& a, const EdgeSum& b) {
+      return a.other != b.other ? a.other < b.other : a.region < b.region;
+    });
+    return taken_;
+  }
+
+ private:
+  IdVector<VertexId, std::uint32_t> first_;
+  std::vector<EdgeSum> entries_, taken_;
+};
+
+/// u.v with both measured from p, and the sum of the magnitudes of its terms.
+struct DotTerm {
+  double value, magnitude;
+};
+
+DotTerm dot_from(const Vec<3>& p, const Vec<3>& a, const Vec<3>& b) {
+  const Vec<3> u = a - p, v = b - p;
+  const double x = u[0] * v[0], y = u[1] * v[1], z = u[2] * v[2];
+  return {x + y + z, std::abs(x) + std::abs(y) + std::abs(z)};
+}
+
+/// Adds what simplex s contributes to its edges from vertex i to later vertices. Returns the longest squared distance
+/// from i to a corner.
+double add_simplex(const Mesh<3>& mesh, const Shares<3>& shares, SimplexId s, VertexId i, EdgeTable& table) {
+  const auto& vertices = mesh.simplex_vertices[s];
+  const int region = mesh.simplex_region[s];
+  std::size_t own = 0;
+  while (vertices[own] != i) ++own;
+  std::array<Vec<3>, 4> p;
+  for (std::size_t k = 0; k < 4; ++k) p[k] = mesh.points[vertices[k]];
+  double reach_sq = 0;
+  for (std::size_t j = 0; j < 4; ++j) {
+    if (j == own) continue;
+    reach_sq = std::max(reach_sq, distance_sq(p[own], p[j]));
+    if (vertices[j] < i) continue;
+    EdgeSum& edge = table.at(vertices[j], region);
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (k == own || k == j) continue;
+      // The face (i, j, k) is opposite to the fourth corner.
+      const double share = shares[s][6 - own - j - k];
+      const DotTerm term = dot_from(p[k], p[own], p[j]);
+      edge.sum += term.value * share;
+      edge.magnitude += term.magnitude * std::abs(share);
+      ++edge.n_terms;
+    }
+  }
+  return reach_sq;
+}
+
+double add_simplex(const Mesh<2>& mesh, const Shares<2>& shares, SimplexId s, VertexId i, EdgeTable& table) {
+  const auto& vertices = mesh.simplex_vertices[s];
+  std::size_t own = 0;
+  while (vertices[own] != i) ++own;
+  for (std::size_t j = 0; j < 3; ++j) {
+    if (j == own || vertices[j] < i) continue;
+    EdgeSum& edge = table.at(vertices[j], mesh.simplex_region[s]);
+    const double share = shares[s][3 - own - j];
+    edge.sum += share;
+    edge.magnitude += std::abs(share);
+    ++edge.n_terms;
+  }
+  return 0;
+}
+
+/// The area of edge (i, j) in a region to about 30 digits, over h/4: for the rare edges of a mesh that is not
+/// conforming whose sign double precision leaves open.
+double exact_sum(const Mesh<3>& mesh, std::span<const SimplexId> simplices, VertexId i, const EdgeSum& edge) {
+  const VertexId j = edge.other;
+  Dd sum;
+  double magnitude = 0;
+  for (const SimplexId s : simplices) {
+    const auto& vertices = mesh.simplex_vertices[s];
+    if (mesh.simplex_region[s] != edge.region || std::find(vertices.begin(), vertices.end(), j) == vertices.end())
+      continue;
+    for (int f = 0; f < 4; ++f) {
+      const VertexId above = vertices[static_cast<std::size_t>(f)];
+      if (above == i || above == j) continue;
+      const std::array<VertexId, 3> corners = face_vertices(mesh, s, f);
+      const std::array<Vec<3>, 3> face = positions<3>(mesh, corners);
+      const VertexId k = *std::find_if(corners.begin(), corners.end(), [&](VertexId v) { return v != i && v != j; });
+      const SimplexId t = neighbor_in_region(mesh, s, f);
+      Dd share;
+      if (t.is_none()) {
+        share = exact_boundary_weight<3>(face, mesh.points[above]);
+      } else {
+        const auto mirror = static_cast<std::size_t>(mirror_corner(mesh, s, t, f));
+        const VertexId below = mesh.simplex_vertices[t][mirror];
+        share = Dd(0.5) * exact_interior_weight<3>(face, mesh.points[above], mesh.points[below]);
+      }
+      for (int axis = 0; axis < 3; ++axis) {
+        const double x = mesh.points[k][axis];
+        const Dd term = two_diff(mesh.points[i][axis], x) * two_diff(mesh.points[j][axis], x) * share;
+        sum = sum + term;
+        magnitude += std::abs(term.hi);
+      }
+    }
+  }
+  const double value = to_double(sum);
+  return std::abs(value) <= 64 * kDdUnit * magnitude ? 0 : value;
+}
+
+/// 4 A / h, with the sign of the exact value. `reach` bounds the distances from i to the corners around it.
+double resolve_sum(const Mesh<3>& mesh, std::span<const SimplexId> simplices, VertexId i, const EdgeSum& edge,
+                   double reach, bool conforming) {
+  // Per term: |dot| <= 4 reach L and the share's error is at most kFaceWeightError / L; then the rounding of the sum.
+  const double error = edge.n_terms * (4 * kFaceWeightError * reach + 0x1.0p-53 * (8 + edge.n_terms) * edge.magnitude);
+  if (std::abs(edge.sum) > error || edge.magnitude == 0) return edge.sum;
+  // Areas of a conforming mesh are not negative, and this one is below the accuracy that is promised.
+  if (conforming) return std::max(edge.sum, 0.0);
+  return exact_sum(mesh, simplices, i, edge);
+}
+
+/// A / h: in 2D the sum of two equal halves is the weight itself, whose sign is exact.
+double resolve_sum(const Mesh<2>&, std::span<const SimplexId>, VertexId, const EdgeSum& edge, double, bool) {
+  return edge.sum;
+}
+
+/// What one block of vertices contributes to the result, in order.
+struct BlockResult {
+  struct Face {
+    VertexId i, j;
+    int region = 0;
+    double area = 0;
+  };
+  struct Cell {
+    VertexId vertex;
+    int region = 0;
+  };
+  std::vector<Face> faces;
+  std::vector<Cell> cells;
+  std::uint64_t n_zero_areas = 0;
+};
+
+/// The passes over the mesh that make the control volumes.
+template <int D>
+class DualBuilder {
+ public:
+  DualBuilder(const Mesh<D>& mesh, Observer& observer) : mesh_(mesh), observer_(observer) {}
+
+  ControlVolumes<D> build() {
+    ControlVolumes<D> out;
+    out.sites = mesh_.points;
+    const std::vector<BlockResult> blocks = sum_blocks(out);
+    assemble(blocks, out);
+    add_volumes(out);
+    return out;
+  }
+
+ private:
+  static constexpr double kSumToArea = D == 3 ? 0.25 : 1.0;
+
+  std::vector<BlockResult> sum_blocks(ControlVolumes<D>& out) {
+    Shares<D> shares;
+    const ShareStatistics statistics = compute_shares(mesh_, observer_, shares);
+    out.n_exact_evaluations = statistics.n_beyond_double;
+    observer_.progress(1, 3);
+    const Csr<VertexId, SimplexId> vertex_simplices =
+        invert_incidence<VertexId>(mesh_.simplex_vertices, mesh_.points.size());
+
+    const std::size_t n = mesh_.points.size();
+    std::vector<BlockResult> blocks((n + kBlock - 1) / kBlock);
+    tbb::enumerable_thread_specific<EdgeTable> tables([&] { return EdgeTable(n); });
+    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+      observer_.check_cancelled();
+      EdgeTable& table = tables.local();
+      for (std::size_t v = b * kBlock; v < std::min(n, (b + 1) * kBlock); ++v)
+        sum_vertex(VertexId(v), shares, vertex_simplices[VertexId(v)], statistics.conforming, table, blocks[b]);
+    });
+    observer_.progress(2, 3);
+    return blocks;
+  }
+
+  void sum_vertex(VertexId i, const Shares<D>& shares, std::span<const SimplexId> simplices, bool conforming,
+                  EdgeTable& table, BlockResult& block) const {
+    double reach_sq = 0;
+    const std::size_t first_cell = block.cells.size();
+    for (const SimplexId s : simplices) {
+      reach_sq = std::max(reach_sq, add_simplex(mesh_, shares, s, i, table));
+      const int region = mesh_.simplex_region[s];
+      const auto begin = block.cells.begin() + static_cast<std::ptrdiff_t>(first_cell);
+      const auto place = std::lower_bound(begin, block.cells.end(), region,
+                                          [](const BlockResult::Cell& c, int r) { return c.region < r; });
+      if (place == block.cells.end() || place->region != region) block.cells.insert(place, {i, region});
+    }
+    const double reach = std::sqrt(reach_sq);
+    for (const EdgeSum& edge : table.take_sorted()) {
+      const double sum = resolve_sum(mesh_, simplices, i, edge, reach, conforming);
+      const double area = kSumToArea * distance(mesh_.points[i], mesh_.points[edge.other]) * sum;
+      if (area == 0) {
+        ++block.n_zero_areas;
+      } else {
+        block.faces.push_back({i, edge.other, edge.region, area});
+      }
+    }
+  }
+
+  /// Concatenates the blocks.
+  void assemble(const std::vector<BlockResult>& blocks, ControlVolumes<D>& out) const {
+    std::vector<std::size_t> first_face(blocks.size() + 1, 0), first_cell(blocks.size() + 1, 0);
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      first_face[b + 1] = first_face[b] + blocks[b].faces.size();
+      first_cell[b + 1] = first_cell[b] + blocks[b].cells.size();
+      out.n_zero_areas += blocks[b].n_zero_areas;
+    }
+    check_id_range(first_face.back());
+    out.face_vertices.resize(first_face.back());
+    out.face_region.resize(first_face.back());
+    out.face_area.resize(first_face.back());
+    out.face_edge_length.resize(first_face.back());
+    out.cell_vertex.resize(first_cell.back());
+    out.cell_region.resize(first_cell.back());
+    out.cell_volume.resize(first_cell.back());
+    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+      DualFaceId f(first_face[b]);
+      for (const BlockResult::Face& face : blocks[b].faces) {
+        out.face_vertices[f] = {face.i, face.j};
+        out.face_region[f] = face.region;
+        out.face_area[f] = face.area;
+        out.face_edge_length[f] = distance(mesh_.points[face.i], mesh_.points[face.j]);
+        ++f;
+      }
+      CellId c(first_cell[b]);
+      for (const BlockResult::Cell& cell : blocks[b].cells) {
+        out.cell_vertex[c] = cell.vertex;
+        out.cell_region[c] = cell.region;
+        ++c;
+      }
+    });
+  }
+
+  static void check_id_range(std::size_t n_faces) {
+    if (n_faces < DualFaceId::none().value()) return;
+    throw LimitError(Fault{.id = "dual.too_many_faces",
+                           .message = std::to_string(n_faces) + " dual faces exceed 32-bit ids",
+                           .fix = "mesh the domain in parts"});
+  }
+
+  /// |V_i| = 1/(2D) sum_j A_ij h_ij, region by region: every plane that clips a cell passes through its site.
+  void add_volumes(ControlVolumes<D>& out) const {
+    IdVector<VertexId, CellId> first_cell(mesh_.points.size());
+    for (std::size_t c = out.cell_vertex.size(); c-- > 0;) first_cell[out.cell_vertex[CellId(c)]] = CellId(c);
+    const auto cell = [&](VertexId v, int region) {
+      CellId c = first_cell[v];
+      while (out.cell_region[c] != region) ++c;
+      return c;
+    };
+    for (const DualFaceId f : ids(out.face_area)) {
+      const double share = out.face_area[f] * out.face_edge_length[f] / (2.0 * D);
+      for (const VertexId v : out.face_vertices[f]) out.cell_volume[cell(v, out.face_region[f])] += share;
+    }
+  }
+
+  const Mesh<D>& mesh_;
+  Observer& observer_;
+};
+
+}  // namespace
+
+template <int D>
+ControlVolumes<D> build_control_volumes(const Mesh<D>& mesh, Observer& observer) {
+  observer.begin_stage("dual");
+  ControlVolumes<D> volumes = DualBuilder<D>(mesh, observer).build();
+  observer.progress(3, 3);
+  return volumes;
+}
+
+template ControlVolumes<2> build_control_volumes(const Mesh<2>&, Observer&);
+template ControlVolumes<3> build_control_volumes(const Mesh<3>&, Observer&);
+
+}  // namespace voropack

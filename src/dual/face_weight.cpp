@@ -1,0 +1,190 @@
+#include "dual/face_weight.h"
+
+#include <cmath>
+#include <limits>
+
+#include "geom/expansion.h"
+#include "geom/number_vec.h"
+
+// With a, b, c the corners of the face, all relative to a, and n = b x c, O_d = n.d, O_e = n.e (docs/theory/dual.md):
+//
+//   interior   q = I / (2 O_d (-O_e)),      I = |e|^2 O_d - |d|^2 O_e + |c|^2 b.(d x e) - |b|^2 c.(d x e)
+//   boundary   q = P / (2 |n|^2 O_d),       P = |d|^2 |n|^2 - d.(|b|^2 (c x n) + |c|^2 (n x b))
+//
+// and in 2D, for the edge ab with the triangles abd and bae:
+//
+//   interior   q = I / (2 O_d (-O_e)),      I = |e|^2 O_d - |d|^2 O_e + |b|^2 (d x e), O_d = b x d, O_e = b x e
+//   boundary   q = P / (2 O_d),             P = |d|^2 - b.d
+//
+// Each polynomial is evaluated in double with a bound of its error, then in double-double, then exactly.
+
+namespace voropack {
+
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnit = 0x1.0p-53;  // The largest relative error of one operation on doubles.
+
+template <int D>
+using Face = std::array<Vec<D>, D>;
+
+/// The simplices' corners off the face: above and below for an interior face, above alone for a boundary face.
+template <int D, std::size_t N>
+using Apexes = std::array<Vec<D>, N>;
+
+/// q = numerator / (2 above below).
+template <class S>
+struct Quotient {
+  S numerator, above, below;
+};
+
+/// Bounds of the absolute errors of a Quotient's numbers, in units of the arithmetic's relative error. edge_sq = L^2.
+struct QuotientBound {
+  double numerator, above, below, edge_sq;
+};
+
+template <class S>
+Quotient<S> quotient(const Face<3>& face, const Apexes<3, 2>& apex) {
+  const auto b = difference<S>(face[1], face[0]), c = difference<S>(face[2], face[0]);
+  const auto d = difference<S>(apex[0], face[0]), e = difference<S>(apex[1], face[0]);
+  const auto n = cross<S>(b, c), w = cross<S>(d, e);
+  const S o_d = dot<S>(n, d), o_e = dot<S>(n, e);
+  return {(dot<S>(e, e) * o_d - dot<S>(d, d) * o_e) + (dot<S>(c, c) * dot<S>(b, w) - dot<S>(b, b) * dot<S>(c, w)), o_d,
+          -o_e};
+}
+
+template <class S>
+Quotient<S> quotient(const Face<2>& face, const Apexes<2, 2>& apex) {
+  const auto b = difference<S>(face[1], face[0]);
+  const auto d = difference<S>(apex[0], face[0]), e = difference<S>(apex[1], face[0]);
+  const S o_d = cross<S>(b, d), o_e = cross<S>(b, e);
+  return {(dot<S>(e, e) * o_d - dot<S>(d, d) * o_e) + dot<S>(b, b) * cross<S>(d, e), o_d, -o_e};
+}
+
+template <class S>
+Quotient<S> quotient(const Face<3>& face, const Apexes<3, 1>& apex) {
+  const auto b = difference<S>(face[1], face[0]), c = difference<S>(face[2], face[0]);
+  const auto d = difference<S>(apex[0], face[0]);
+  const auto n = cross<S>(b, c);
+  const auto cn = cross<S>(c, n), nb = cross<S>(n, b);
+  const S nn = dot<S>(n, n);
+  return {dot<S>(d, d) * nn - (dot<S>(b, b) * dot<S>(d, cn) + dot<S>(c, c) * dot<S>(d, nb)), dot<S>(n, d), nn};
+}
+
+template <class S>
+Quotient<S> quotient(const Face<2>& face, const Apexes<2, 1>& apex) {
+  const auto b = difference<S>(face[1], face[0]), d = difference<S>(apex[0], face[0]);
+  return {dot<S>(d, d) - dot<S>(b, d), cross<S>(b, d), S(1.0)};
+}
+
+// The factors are derived in docs/theory/dual.md, "Error bounds", and rounded up for the rounding of the bounds.
+QuotientBound error_bound(const Face<3>& face, const Apexes<3, 2>& apex) {
+  const double b = distance_sq(face[1], face[0]), c = distance_sq(face[2], face[0]);
+  const double d = distance_sq(apex[0], face[0]), e = distance_sq(apex[1], face[0]);
+  const double bc = b * c;
+  return {40 * std::sqrt(bc * (d * e) * (b + c + d + e)), 12 * std::sqrt(bc * d), 12 * std::sqrt(bc * e),
+          std::max(b, c)};
+}
+
+QuotientBound error_bound(const Face<2>& face, const Apexes<2, 2>& apex) {
+  const double b = distance_sq(face[1], face[0]);
+  const double d = distance_sq(apex[0], face[0]), e = distance_sq(apex[1], face[0]);
+  return {24 * std::sqrt(b * (d * e) * (b + d + e)), 6 * std::sqrt(b * d), 6 * std::sqrt(b * e), b};
+}
+
+QuotientBound error_bound(const Face<3>& face, const Apexes<3, 1>& apex) {
+  const double b = distance_sq(face[1], face[0]), c = distance_sq(face[2], face[0]);
+  const double d = distance_sq(apex[0], face[0]);
+  const double bc = b * c;
+  return {48 * bc * std::sqrt(d * (b + c + d)), 12 * std::sqrt(bc * d), 20 * bc, std::max(b, c)};
+}
+
+QuotientBound error_bound(const Face<2>& face, const Apexes<2, 1>& apex) {
+  const double b = distance_sq(face[1], face[0]), d = distance_sq(apex[0], face[0]);
+  return {10 * std::sqrt(d * (b + d)), 6 * std::sqrt(b * d), 0, b};
+}
+
+/// q if the bounds certify its sign and its size; NaN otherwise, also after an overflow or underflow.
+template <class S>
+double certified(const Quotient<S>& q, const QuotientBound& bound, double unit) {
+  const double numerator = to_double(q.numerator), above = to_double(q.above), below = to_double(q.below);
+  const double numerator_error = unit * bound.numerator;
+  const double above_error = unit * bound.above, below_error = unit * bound.below;
+  if (!(above > 8 * above_error && below > 8 * below_error && std::abs(numerator) > numerator_error)) return kNan;
+  const double denominator = 2 * above * below;
+  const double value = numerator / denominator;
+  // Factor 2: the true denominator is at least (7/8)^2 of this one.
+  const double error =
+      2 * (numerator_error / denominator + std::abs(value) * (above_error / above + below_error / below));
+  return error * error * bound.edge_sq <= kFaceWeightError * kFaceWeightError ? value : kNan;
+}
+
+/// The quotient of exact numbers. NaN if a simplex is not on its side of the face.
+Dd divide(const Quotient<Expansion>& q) {
+  if (sign(q.above) <= 0 || sign(q.below) <= 0) return kNan;
+  return q.numerator.approximate() / (Dd(2.0) * q.above.approximate() * q.below.approximate());
+}
+
+/// Face and apexes brought to about unit size: q = q(scaled) * scale.
+template <int D, std::size_t N>
+struct Scaled {
+  double scale;
+  Face<D> face;
+  Apexes<D, N> apex;
+
+  Scaled(const Face<D>& f, const Apexes<D, N>& a) : face(f), apex(a) {
+    scale = std::min(unit_scale(f, f[0]), unit_scale(a, f[0]));
+    for (Vec<D>& p : face) p *= scale;
+    for (Vec<D>& p : apex) p *= scale;
+  }
+};
+
+template <int D, std::size_t N>
+FaceWeight weight(const Face<D>& face, const Apexes<D, N>& apex) {
+  const double fast = certified(quotient<double>(face, apex), error_bound(face, apex), kUnit);
+  if (!std::isnan(fast)) return {fast, false};
+  const Scaled<D, N> unit(face, apex);
+  double value = certified(quotient<Dd>(unit.face, unit.apex), error_bound(unit.face, unit.apex), kDdUnit);
+  if (std::isnan(value)) value = to_double(divide(quotient<Expansion>(unit.face, unit.apex)));
+  return {value * unit.scale, true};
+}
+
+template <int D, std::size_t N>
+Dd exact_weight(const Face<D>& face, const Apexes<D, N>& apex) {
+  const Scaled<D, N> unit(face, apex);
+  const Dd q = divide(quotient<Expansion>(unit.face, unit.apex));
+  return {q.hi * unit.scale, q.lo * unit.scale};
+}
+
+}  // namespace
+
+template <int D>
+FaceWeight interior_weight(const Face<D>& face, const Vec<D>& above, const Vec<D>& below) {
+  return weight<D>(face, Apexes<D, 2>{above, below});
+}
+
+template <int D>
+FaceWeight boundary_weight(const Face<D>& face, const Vec<D>& above) {
+  return weight<D>(face, Apexes<D, 1>{above});
+}
+
+template <int D>
+Dd exact_interior_weight(const Face<D>& face, const Vec<D>& above, const Vec<D>& below) {
+  return exact_weight<D>(face, Apexes<D, 2>{above, below});
+}
+
+template <int D>
+Dd exact_boundary_weight(const Face<D>& face, const Vec<D>& above) {
+  return exact_weight<D>(face, Apexes<D, 1>{above});
+}
+
+template FaceWeight interior_weight<2>(const Face<2>&, const Vec<2>&, const Vec<2>&);
+template FaceWeight interior_weight<3>(const Face<3>&, const Vec<3>&, const Vec<3>&);
+template FaceWeight boundary_weight<2>(const Face<2>&, const Vec<2>&);
+template FaceWeight boundary_weight<3>(const Face<3>&, const Vec<3>&);
+template Dd exact_interior_weight<2>(const Face<2>&, const Vec<2>&, const Vec<2>&);
+template Dd exact_interior_weight<3>(const Face<3>&, const Vec<3>&, const Vec<3>&);
+template Dd exact_boundary_weight<2>(const Face<2>&, const Vec<2>&);
+template Dd exact_boundary_weight<3>(const Face<3>&, const Vec<3>&);
+
+}  // namespace voropack
