@@ -1,6 +1,5 @@
 // voropack mesh: packs the domain, triangulates, builds the control volumes, certifies, writes.
 #include <fmt/format.h>
-#include <tbb/info.h>
 
 #include <cmath>
 #include <memory>

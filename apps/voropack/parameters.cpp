@@ -14,7 +14,8 @@ namespace voropack::app {
 
 namespace {
 
-constexpr int kMaxThreads = 4096;
+constexpr std::uint64_t kMaxThreads = 4096;
+constexpr double kMaxGradation = 0.4;  // As SpacingOptions says.
 
 /// The whole of `text` as a number, with an optional leading plus.
 std::optional<double> parse_number(std::string_view text) {
@@ -43,6 +44,17 @@ std::optional<int> parse_id(std::string_view text) {
 
 CLI::Validator positive_number(double at_most) {
   return {[at_most](std::string& text) { return number_fault(text, at_most); }, "", "positive"};
+}
+
+CLI::Validator whole_number(std::uint64_t at_least, std::uint64_t at_most) {
+  return {[=](const std::string& text) -> std::string {
+            std::uint64_t value = 0;
+            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+            if (error == std::errc{} && end == text.data() + text.size() && value >= at_least && value <= at_most)
+              return {};
+            return fmt::format("must be an integer from {} to {}, not '{}'", at_least, at_most, text);
+          },
+          "", "integer"};
 }
 
 CLI::Validator size_of_id() {
@@ -81,14 +93,11 @@ std::map<int, double> sizes_by_id(const std::vector<std::string>& texts, const s
 void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_option("--report", options.report, "Write a report with every figure as JSON")->type_name("FILE.json");
   command.add_option("--threads", options.threads, "Threads to use; 0: all of the machine")
-      ->check([](const std::string& text) -> std::string {
-        const std::optional<int> n = parse_id(text);
-        if (n && *n >= 0 && *n <= kMaxThreads) return {};
-        return fmt::format("must be an integer from 0 to {}, not '{}'", kMaxThreads, text);
-      })
+      ->check(whole_number(0, kMaxThreads))
       ->type_name("N")
       ->capture_default_str();
   command.add_option("--seed", options.seed, "Seed of the random numbers; the same seed gives the same files")
+      ->check(whole_number(0))
       ->type_name("N")
       ->capture_default_str();
   command.add_flag("--quiet,-q", options.verbosity.quiet, "Say nothing but errors");
@@ -101,8 +110,18 @@ CLI::Option* add_output_option(CLI::App& command, std::vector<std::filesystem::p
   return command.add_option("-o,--output", outputs, description)->allow_extra_args(false)->required();
 }
 
-void add_gradation_option(CLI::App& command, std::optional<double>& gradation, const std::string& description) {
-  command.add_option("--gradation", gradation, description)->check(positive_number(0.4))->type_name("B");
+CLI::Option* add_gradation_option(CLI::App& command, double& gradation) {
+  return command.add_option("--gradation", gradation, "Lipschitz constant of the spacing function, at most 0.4")
+      ->check(positive_number(kMaxGradation))
+      ->type_name("B")
+      ->capture_default_str();
+}
+
+CLI::Option* add_gradation_option(CLI::App& command, std::optional<double>& gradation) {
+  return command
+      .add_option("--gradation", gradation, "Claimed Lipschitz constant of the spacing, at most 0.4; else measured")
+      ->check(positive_number(kMaxGradation))
+      ->type_name("B");
 }
 
 void add_form_options(CLI::App& command, PackingForm& form, double& epsilon) {
@@ -111,8 +130,8 @@ void add_form_options(CLI::App& command, PackingForm& form, double& epsilon) {
   command
       .add_option_function<std::string>(
           "--packing", [&form](const std::string& name) { form = kFormNames.at(name); },
-          "How the packing is completed: voronoi (at Voronoi vertices), maximal (epsilon-maximal by active cells) or "
-          "filtered (oversampled and filtered)")
+          "Packing completed at Voronoi vertices (voronoi), epsilon-maximal by active cells (maximal), or\n"
+          "oversampled and filtered (filtered)")
       ->check(one_of(names))
       ->type_name("FORM")
       ->default_str(name_of(kFormNames, form));
@@ -170,6 +189,18 @@ void check_names(const CLI::App& root, const std::vector<std::string>& arguments
       help += ' ' + argument;
     }
   }
+}
+
+OptionError unexpected_arguments(const CLI::App& root) {
+  const std::vector<CLI::App*> chosen = root.get_subcommands();
+  const CLI::App& command = chosen.empty() ? root : *chosen.front();
+  const std::string help = chosen.empty() ? root.get_name() : root.get_name() + ' ' + command.get_name();
+  const std::vector<std::string> arguments = root.remaining(true);
+  for (const std::string& argument : arguments)
+    if (argument.starts_with('-')) return unknown("option", argument, option_names(command), help);
+  return OptionError(Fault{.id = "cli.too_many_arguments",
+                           .message = fmt::format("not expected: {}", fmt::join(arguments, " ")),
+                           .fix = fmt::format("see {} --help.", help)});
 }
 
 }  // namespace voropack::app

@@ -4,12 +4,14 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "terminal_observer.h"
+#include "voropack/error.h"
 #include "voropack/packing.h"
 
 namespace voropack::app {
@@ -29,11 +31,15 @@ CLI::Option* add_output_option(CLI::App& command, std::vector<std::filesystem::p
                                const std::string& description);
 
 // What is claimed or wanted of a packing: --gradation, --packing, --epsilon.
-void add_gradation_option(CLI::App& command, std::optional<double>& gradation, const std::string& description);
+CLI::Option* add_gradation_option(CLI::App& command, double& gradation);
+CLI::Option* add_gradation_option(CLI::App& command, std::optional<double>& gradation);
 void add_form_options(CLI::App& command, PackingForm& form, double& epsilon);
 
 /// A finite number in (0, at_most]; an infinite `at_most` allows every positive number.
 CLI::Validator positive_number(double at_most = std::numeric_limits<double>::infinity());
+
+/// A decimal integer in [at_least, at_most].
+CLI::Validator whole_number(std::uint64_t at_least, std::uint64_t at_most = std::numeric_limits<std::uint64_t>::max());
 
 /// ID=H with an integer ID and a positive H.
 CLI::Validator size_of_id();
@@ -65,5 +71,8 @@ inline const std::vector<std::string> kMeshExtensions = {".node", ".vtu"};
 /// Throws OptionError cli.unknown_option, with the nearest known name, for the first argument that begins with -- and
 /// that neither `root` nor its chosen command knows; cli.unknown_command for a first word that is no command.
 void check_names(const CLI::App& root, const std::vector<std::string>& arguments);
+
+/// What to say of arguments that are left after parsing: the nearest known name if one looks like an option.
+OptionError unexpected_arguments(const CLI::App& root);
 
 }  // namespace voropack::app

@@ -29,7 +29,7 @@ struct InputFile {
 struct PackingFigures {
   std::uint64_t repairs = 0;
   int repair_rounds = 0;
-  std::optional<double> size_ratio;  ///< Vertices over the integral of f^-D: what the theory bounds.
+  std::optional<double> size_ratio{};  ///< Vertices over the integral of f^-D: what the theory bounds.
 };
 
 struct Report {
