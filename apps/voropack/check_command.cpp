@@ -79,8 +79,7 @@ Command add_check_command(CLI::App& root, CommonOptions& common) {
       ->required();
   app->add_option("--domain", arguments->domain, "Compare with this domain: conformity and volumes")
       ->type_name("DOMAIN");
-  add_gradation_option(*app, arguments->claims.gradation,
-                       "Claimed Lipschitz constant of the vertex spacings, at most 0.4; without it, it is measured");
+  add_gradation_option(*app, arguments->claims.gradation);
   add_form_options(*app, arguments->claims.form, arguments->claims.epsilon);
   add_common_options(*app, common);
   app->footer(

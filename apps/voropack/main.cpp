@@ -82,6 +82,8 @@ int main(int argc, char** argv) {
     root.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help and --version
     return root.exit(request);
+  } catch (const CLI::ExtrasError&) {
+    return fail(unexpected_arguments(root));
   } catch (const CLI::ParseError& error) {
     std::string help = "voropack";
     for (const CLI::App* command : root.get_subcommands()) help += ' ' + command->get_name();

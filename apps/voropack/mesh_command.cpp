@@ -24,7 +24,8 @@ struct MeshArguments {
   std::vector<std::string> region_sizes, marker_sizes;  ///< Each ID=H.
   std::optional<fs::path> size_field;
   std::optional<std::string> size_expression;
-  std::optional<double> gradation, feature_factor;
+  double gradation = MeshingOptions<3>{}.gradation;
+  double feature_factor = MeshingOptions<3>{}.feature_factor;
 
   PackingOptions packing;
 };
@@ -63,8 +64,8 @@ MeshingOptions<D> meshing_options(const MeshArguments& arguments, const Session&
   options.wishes.marker_size = sizes_by_id(arguments.marker_sizes, "--marker-size");
   options.wishes.expression = arguments.size_expression;
   if (arguments.size_field) options.wishes.field = read_size_field<D>(*arguments.size_field, session.observer);
-  if (arguments.gradation) options.gradation = *arguments.gradation;
-  if (arguments.feature_factor) options.feature_factor = *arguments.feature_factor;
+  options.gradation = arguments.gradation;
+  options.feature_factor = arguments.feature_factor;
   options.packing = arguments.packing;
   options.packing.seed = session.common.seed;
   options.threads = thread_count(session.common.threads);
@@ -173,24 +174,21 @@ void add_size_options(CLI::App& command, MeshArguments& arguments) {
       ->type_name("ID=H");
   command
       .add_option("--marker-size", arguments.marker_sizes,
-                  "Wanted edge length on facets, segments or points of one marker; may be given again")
+                  "Wanted edge length at facets, segments, points of one marker; may be given again")
       ->check(size_of_id())
       ->allow_extra_args(false)
       ->type_name("ID=H");
   command
       .add_option("--size-field", arguments.size_field,
-                  "Mesh (.node, .vtu) whose first vertex attribute is the wanted edge length, linear in between")
+                  "Mesh (.node, .vtu) whose first vertex attribute is the wanted edge length")
       ->type_name("FILE");
   command.add_option("--size-expr", arguments.size_expression, "Wanted edge length as a formula in x, y and z")
       ->type_name("\"0.05+0.1*x\"");
-  add_gradation_option(
-      command, arguments.gradation,
-      fmt::format("Lipschitz constant of the spacing function, at most 0.4 [{}]", MeshingOptions<3>{}.gradation));
-  command
-      .add_option("--feature-factor", arguments.feature_factor,
-                  fmt::format("Spacing over local feature size, at most 1 [{}]", MeshingOptions<3>{}.feature_factor))
+  add_gradation_option(command, arguments.gradation);
+  command.add_option("--feature-factor", arguments.feature_factor, "Spacing over local feature size, at most 1")
       ->check(positive_number(1))
-      ->type_name("A");
+      ->type_name("A")
+      ->capture_default_str();
 }
 
 void add_packing_options(CLI::App& command, MeshArguments& arguments) {
@@ -208,7 +206,7 @@ void add_packing_options(CLI::App& command, MeshArguments& arguments) {
   command
       .add_option("--max-vertices", arguments.packing.max_vertices,
                   "Stop before the work if more vertices than this are expected")
-      ->check(CLI::PositiveNumber)
+      ->check(whole_number(1))
       ->type_name("N")
       ->capture_default_str();
 }
