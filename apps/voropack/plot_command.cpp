@@ -1,0 +1,62 @@
+// voropack plot: a picture of a 2D mesh with its control volumes.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "command.h"
+
+namespace voropack::app {
+
+namespace {
+
+struct PlotArguments {
+  std::filesystem::path mesh;
+  std::vector<std::filesystem::path> outputs;
+};
+
+ExitCode run_plot(const PlotArguments& arguments, Session& session) {
+  std::vector<std::filesystem::path> staged;
+  for (const std::filesystem::path& output : arguments.outputs) check_extension(output, {".svg"});
+  for (const std::filesystem::path& output : arguments.outputs) staged.push_back(session.outputs.stage(output));
+
+  Report report;
+  report.command = "plot";
+  session.observer.begin_stage("read");
+  const AnyMesh any = timed(report.times, "read", [&] { return read_mesh(arguments.mesh, session.observer); });
+  const auto* const mesh = std::get_if<Mesh<2>>(&any);
+  if (mesh == nullptr)
+    throw InputError(Fault{.id = "cli.dimension",
+                           .message = "only 2D meshes can be plotted, this one is 3D",
+                           .fix = "convert it to .vtu and open that in ParaView.",
+                           .file = arguments.mesh.string()});
+  report.input = describe_file(arguments.mesh, 2);
+  session.observer.begin_stage("dual");
+  const ControlVolumes<2> volumes =
+      timed(report.times, "dual", [&] { return build_control_volumes(*mesh, session.observer); });
+  session.observer.begin_stage("write");
+  timed(report.times, "write", [&] {
+    const CellShapes<2> shapes = build_cell_shapes(*mesh, volumes);
+    for (const std::filesystem::path& path : staged) write_svg(*mesh, shapes, volumes, path);
+  });
+  std::string text;
+  for (const std::filesystem::path& output : arguments.outputs) {
+    report.options["output"].push_back(output.string());
+    text += fmt::format("picture: {}\n", output.string());
+  }
+  session.finish(report, text);
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+Command add_plot_command(CLI::App& root, CommonOptions& common) {
+  CLI::App* const app = root.add_subcommand("plot", "Draw a 2D mesh and its control volumes");
+  const auto arguments = std::make_shared<PlotArguments>();
+  app->add_option("MESH", arguments->mesh, "2D mesh: .node (with .ele) or .vtu")->required();
+  add_output_option(*app, arguments->outputs, "Picture to write")->type_name("PICTURE.svg");
+  add_common_options(*app, common);
+  app->footer("Example: voropack plot part.vtu -o part.svg");
+  return {app, [arguments](Session& session) { return run_plot(*arguments, session); }};
+}
+
+}  // namespace voropack::app

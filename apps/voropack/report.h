@@ -1,0 +1,63 @@
+// The report: one JSON object with every figure of a run. Unknown figures are absent, never zero.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "voropack/certificate.h"
+#include "voropack/domain.h"
+#include "voropack/mesh.h"
+#include "voropack/pipeline.h"
+#include "voropack/quality.h"
+
+namespace voropack::app {
+
+using Json = nlohmann::ordered_json;
+
+/// A file that a run read.
+struct InputFile {
+  std::string file;
+  std::optional<std::string> sha256;
+  int dimension = 0;
+  std::optional<std::uint64_t> points, segments, facets, regions;  ///< Known of a domain only, but for regions.
+};
+
+/// Figures of how the packing came about.
+struct PackingFigures {
+  std::uint64_t repairs = 0;
+  int repair_rounds = 0;
+  std::optional<double> size_ratio{};  ///< Vertices over the integral of f^-D: what the theory bounds.
+};
+
+struct Report {
+  std::string command;
+  Json options = Json::object();
+  InputFile input;
+  std::optional<InputFile> domain;  ///< What a mesh was compared with.
+  std::optional<QualityReport> quality;
+  std::optional<Certificate> certificate;
+  std::optional<PackingFigures> packing;
+  StageTimes times;
+  int threads = 0;
+};
+
+/// The report as documented, with version, commit and peak memory added.
+Json to_json(const Report& report);
+
+/// Name and hash of a file; counts are for the caller to fill in.
+InputFile describe_file(const std::filesystem::path& path, int dimension);
+
+template <int D>
+InputFile describe_domain(const std::filesystem::path& path, const Domain<D>& domain) {
+  InputFile input = describe_file(path, D);
+  input.points = domain.points.size();
+  input.segments = domain.segments.size();
+  if (D == 3) input.facets = domain.facet_frame.size();
+  input.regions = domain.region_id.size();
+  return input;
+}
+
+}  // namespace voropack::app

@@ -1,0 +1,33 @@
+# Options of the build, all named VOROPACK_*. None changes a public type or the meaning of a header.
+option(VOROPACK_BUILD_TOOLS "Build the program voropack" ${PROJECT_IS_TOP_LEVEL})
+option(VOROPACK_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
+option(VOROPACK_BUILD_EXAMPLES "Build the examples" ${PROJECT_IS_TOP_LEVEL})
+option(VOROPACK_BUILD_BENCH "Build the benchmarks and the peers' programs" OFF)
+option(VOROPACK_BUILD_FUZZ "Build the fuzz targets (needs clang)" OFF)
+
+option(VOROPACK_WARNINGS "Compile with warnings" ${PROJECT_IS_TOP_LEVEL})
+option(VOROPACK_WARNINGS_AS_ERRORS "A warning stops the build" OFF)
+set(VOROPACK_SANITIZE "" CACHE STRING "Sanitizers as the compiler names them: address,undefined or thread")
+option(VOROPACK_COVERAGE "Instrument for coverage" OFF)
+
+# How our own targets are compiled. Link it PRIVATE: it is never installed, and nobody who uses the library sees it.
+add_library(voropack_flags INTERFACE)
+# Contraction to fused multiply-add changes results between machines and breaks error-free transformations.
+target_compile_options(voropack_flags INTERFACE -ffp-contract=off)
+if(VOROPACK_WARNINGS)
+  target_compile_options(voropack_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow)
+endif()
+if(VOROPACK_WARNINGS_AS_ERRORS)
+  target_compile_options(voropack_flags INTERFACE -Werror)
+endif()
+if(VOROPACK_SANITIZE)
+  target_compile_options(voropack_flags INTERFACE -fsanitize=${VOROPACK_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(voropack_flags INTERFACE -fsanitize=${VOROPACK_SANITIZE})
+  if(VOROPACK_SANITIZE MATCHES "undefined")
+    target_compile_options(voropack_flags INTERFACE -fno-sanitize-recover=undefined)
+  endif()
+endif()
+if(VOROPACK_COVERAGE)
+  target_compile_options(voropack_flags INTERFACE --coverage)
+  target_link_options(voropack_flags INTERFACE --coverage)
+endif()
