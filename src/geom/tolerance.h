@@ -36,6 +36,20 @@ inline constexpr double kFlatTolerance = 1e-14;
 /// sources matter in them, so that a point that rounding puts into the neighboring cell finds its sources there.
 inline constexpr double kCellTolerance = 1e-10;
 
+/// Coordinates beyond this are refused: their fourth powers would leave the range of doubles.
+inline constexpr double kMaxCoordinate = 1e60;
+
+/// Domains smaller than this are refused, for the same reason at the other end.
+inline constexpr double kMinDiameter = 1e-60;
+
+/// Angles this much (degrees) below a limit still satisfy it: rounding of coordinates turns an exact 60 into slightly
+/// less.
+inline constexpr double kAngleSlackDeg = 1e-7;
+
+/// Two walls that a ray crosses this near to each other, relative to the domain's diameter, leave their order open:
+/// another ray is tried.
+inline constexpr double kRayGap = 1e-12;
+
 /// `relative` times the size of `box`, plus 16 ulp of its largest coordinate: what input far from the origin can
 /// resolve.
 template <int D>

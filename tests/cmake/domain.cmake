@@ -1,0 +1,1 @@
+voropack_test(domain_test unit/domain_test.cpp)
