@@ -1,0 +1,241 @@
+// Piecewise linear complexes: .poly of Triangle (2D) and of TetGen (3D), and .smesh of TetGen.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "io/node.h"
+#include "io/readers.h"
+
+namespace voropack::io {
+
+namespace {
+
+std::optional<int> marker_or_none(int marker) { return marker != 0 ? std::optional(marker) : std::nullopt; }
+
+template <int D>
+Vec<D> read_position(TextScanner& scanner) {
+  Vec<D> position;
+  position[0] = scanner.number("x coordinate");
+  position[1] = scanner.number("y coordinate");
+  if constexpr (D == 3) position[2] = scanner.number("z coordinate");
+  return position;
+}
+
+/// Reads the parts of a .poly or .smesh file that follow its points, in the order of the file.
+template <int D>
+class ComplexReader {
+ public:
+  ComplexReader(TextScanner& scanner, NodeList<D> nodes) : scanner_(scanner) {
+    first_ = nodes.first_index;
+    input_.points = std::move(nodes.points);
+    input_.point_markers.reserve(nodes.markers.size());
+    for (const int marker : nodes.markers) input_.point_markers.push_back(marker_or_none(marker));
+    input_.first_index = first_;
+    input_.file = scanner.file();
+  }
+
+  /// `<segments> <markers>`, then `<number> <a> <b> [marker]`.
+  void read_segments() {
+    const Header header = read_header("segment", "header of the segments", 6);
+    input_.segments.reserve(header.n);
+    for (std::uint64_t i = 0; i < header.n; ++i) {
+      scanner_.next_line("segment", i + first_);
+      scanner_.integer("number of the segment");
+      typename DomainInput<D>::Segment segment{};
+      segment.line = scanner_.line();
+      for (std::uint32_t& point : segment.points) point = read_index();
+      if (header.has_markers) segment.marker = marker_or_none(scanner_.small_integer("marker"));
+      scanner_.end_of_line();
+      input_.segments.push_back(segment);
+    }
+  }
+
+  /// .poly: `<polygons> [holes] [marker]`, then the polygons and holes of the facet, each on its own lines.
+  void read_facets() {
+    const Header header = read_header("facet", "header of the facets", 4);
+    input_.facets.reserve(header.n);
+    for (std::uint64_t i = 0; i < header.n; ++i) {
+      scanner_.next_line("facet", i + first_);
+      typename DomainInput<D>::Facet facet;
+      facet.line = scanner_.line();
+      const std::uint64_t n_polygons = scanner_.count("number of polygons", 4);
+      const std::uint64_t n_holes = scanner_.at_end_of_line() ? 0 : scanner_.count("number of holes", 8);
+      if (header.has_markers && !scanner_.at_end_of_line())
+        facet.marker = marker_or_none(scanner_.small_integer("marker"));
+      scanner_.end_of_line();
+      if (n_polygons == 0)
+        scanner_.fail("io.bad_count", fmt::format("facet {} has no polygons", i + first_), "remove the facet");
+      facet.polygons.reserve(n_polygons);
+      for (std::uint64_t p = 0; p < n_polygons; ++p) {
+        scanner_.next_line("polygon of facet", i + first_);
+        facet.polygons.push_back(read_polygon());
+        scanner_.end_of_line();
+      }
+      facet.holes.reserve(n_holes);
+      for (std::uint64_t h = 0; h < n_holes; ++h) {
+        scanner_.next_line("hole of facet", i + first_);
+        scanner_.integer("number of the hole");
+        facet.holes.push_back(read_position<D>(scanner_));
+        scanner_.end_of_line();
+      }
+      input_.facets.push_back(std::move(facet));
+    }
+  }
+
+  /// .smesh: one polygon for each facet, `<corners> <a> <b> ... [marker]`.
+  void read_simple_facets() {
+    const Header header = read_header("facet", "header of the facets", 4);
+    input_.facets.reserve(header.n);
+    for (std::uint64_t i = 0; i < header.n; ++i) {
+      scanner_.next_line("facet", i + first_);
+      typename DomainInput<D>::Facet facet;
+      facet.line = scanner_.line();
+      facet.polygons.push_back(read_polygon());
+      if (header.has_markers && !scanner_.at_end_of_line())
+        facet.marker = marker_or_none(scanner_.small_integer("marker"));
+      scanner_.end_of_line();
+      input_.facets.push_back(std::move(facet));
+    }
+  }
+
+  /// `<holes>`, then `<number> <position>`. May be left out at the end of the file.
+  void read_holes() {
+    const std::uint64_t n = read_optional_count("header of the holes", "number of holes", D == 2 ? 6 : 8);
+    input_.hole_seeds.reserve(n);
+    for (std::uint64_t i = 0; i < n; ++i) {
+      scanner_.next_line("hole", i + first_);
+      scanner_.integer("number of the hole");
+      input_.hole_seeds.push_back(read_position<D>(scanner_));
+      scanner_.end_of_line();
+    }
+  }
+
+  /// `<regions>`, then `<number> <position> <attribute> [largest area or volume]`. May be left out.
+  void read_regions() {
+    const std::uint64_t n = read_optional_count("header of the regions", "number of regions", D == 2 ? 8 : 10);
+    input_.region_seeds.reserve(n);
+    for (std::uint64_t i = 0; i < n; ++i) {
+      scanner_.next_line("region", i + first_);
+      scanner_.integer("number of the region");
+      typename DomainInput<D>::RegionSeed seed{read_position<D>(scanner_), {}, {}};
+      seed.id = read_region_id();
+      if (!scanner_.at_end_of_line()) {
+        const double largest = scanner_.number(D == 2 ? "largest area" : "largest volume");
+        if (largest > 0) seed.max_measure = largest;
+      }
+      scanner_.end_of_line();
+      input_.region_seeds.push_back(seed);
+    }
+    scanner_.end_of_file("region");
+  }
+
+  DomainInput<D> take() { return std::move(input_); }
+
+ private:
+  struct Header {
+    std::uint64_t n = 0;
+    bool has_markers = false;
+  };
+
+  Header read_header(std::string_view kind, std::string_view name, std::uint64_t min_bytes) {
+    scanner_.next_line(name);
+    Header header;
+    header.n = scanner_.count(fmt::format("number of {}s", kind), min_bytes);
+    if (!scanner_.at_end_of_line()) header.has_markers = read_marker_flag(scanner_);
+    scanner_.end_of_line();
+    return header;
+  }
+
+  std::uint64_t read_optional_count(std::string_view element, std::string_view what, std::uint64_t min_bytes) {
+    if (!TextScanner(scanner_).next_line()) return 0;
+    scanner_.next_line(element);
+    const std::uint64_t n = scanner_.count(what, min_bytes);
+    scanner_.end_of_line();
+    return n;
+  }
+
+  std::uint32_t read_index() { return scanner_.index("point", first_, input_.points.size()); }
+
+  /// `<corners> <a> <b> ...`, which may go on on the following lines.
+  std::vector<std::uint32_t> read_polygon() {
+    const std::uint64_t n = scanner_.count("number of corners", 2);
+    if (n == 0) scanner_.fail("io.bad_count", scanner_.element() + " has no corners", "remove it");
+    std::vector<std::uint32_t> corners;
+    corners.reserve(n);
+    for (std::uint64_t k = 0; k < n; ++k) {
+      if (scanner_.at_end_of_line() && !scanner_.next_line())
+        scanner_.fail("io.truncated",
+                      fmt::format("the file ends at {}, after {} of its {} corners", scanner_.element(), k, n),
+                      "check that the file is complete");
+      corners.push_back(read_index());
+    }
+    return corners;
+  }
+
+  int read_region_id() {
+    const double attribute = scanner_.number("attribute");
+    if (attribute != std::floor(attribute) || std::abs(attribute) > std::numeric_limits<int>::max())
+      scanner_.fail("io.bad_region",
+                    fmt::format("{}: the attribute {} is not a whole number of 32 bits", scanner_.element(), attribute),
+                    "use a whole number such as 1: it becomes the region's id");
+    return static_cast<int>(attribute);
+  }
+
+  TextScanner& scanner_;
+  std::uint32_t first_ = 0;
+  DomainInput<D> input_;
+};
+
+enum class Kind { kPoly, kSmesh };
+
+template <int D>
+DomainInput<D> read_complex(TextScanner& scanner, NodeList<D> nodes, Kind kind) {
+  ComplexReader<D> reader(scanner, std::move(nodes));
+  if constexpr (D == 2)
+    reader.read_segments();
+  else if (kind == Kind::kPoly)
+    reader.read_facets();
+  else
+    reader.read_simple_facets();
+  reader.read_holes();
+  reader.read_regions();
+  return reader.take();
+}
+
+AnyDomainInput parse_complex(const Source& source, const NodeFileOpener& open_node, Kind kind, Observer& observer) {
+  TextScanner scanner(source, '#', observer);
+  const NodeHeader header = read_node_header(scanner);
+
+  const auto read_nodes_and_rest = [&](TextScanner& node_scanner, const NodeHeader& node_header) -> AnyDomainInput {
+    const int dimension = required_dimension(node_header, node_scanner);
+    if (dimension == 2 && kind == Kind::kSmesh)
+      node_scanner.fail("io.bad_dimension", "a .smesh file describes facets in space, but its points have dimension 2",
+                        "rename the file to .poly if it is a complex of Triangle");
+    if (dimension == 2) return read_complex<2>(scanner, read_node_list<2>(node_scanner, node_header), kind);
+    return read_complex<3>(scanner, read_node_list<3>(node_scanner, node_header), kind);
+  };
+  if (header.n_points > 0) return read_nodes_and_rest(scanner, header);
+
+  const FileContent node_file = open_node();
+  TextScanner node_scanner(node_file.source(), '#', observer);
+  const NodeHeader node_header = read_node_header(node_scanner);
+  if (header.dimension && node_header.dimension && *header.dimension != *node_header.dimension)
+    scanner.fail("io.bad_dimension",
+                 fmt::format("the header announces dimension {}, but the points in {} have dimension {}",
+                             *header.dimension, node_file.file, *node_header.dimension),
+                 "correct the header, or put the right .node file beside this one");
+  return read_nodes_and_rest(node_scanner, node_header);
+}
+
+}  // namespace
+
+AnyDomainInput parse_poly(const Source& source, const NodeFileOpener& open_node, Observer& observer) {
+  return parse_complex(source, open_node, Kind::kPoly, observer);
+}
+
+AnyDomainInput parse_smesh(const Source& source, const NodeFileOpener& open_node, Observer& observer) {
+  return parse_complex(source, open_node, Kind::kSmesh, observer);
+}
+
+}  // namespace voropack::io

@@ -1,0 +1,17 @@
+// The writers of mesh formats, chosen by write_mesh.
+#pragma once
+
+#include <filesystem>
+
+#include "voropack/mesh.h"
+
+namespace voropack::io {
+
+/// .node, .ele, .edge and in 3D .face: all or none of them.
+template <int D>
+void write_node_mesh(const Mesh<D>& mesh, const std::filesystem::path& path);
+
+template <int D>
+void write_vtu_mesh(const Mesh<D>& mesh, const std::filesystem::path& path);
+
+}  // namespace voropack::io

@@ -1,0 +1,1 @@
+voropack_test(mesh_test unit/mesh_test.cpp)
