@@ -9,10 +9,10 @@
 #include <string>
 #include <utility>
 
-#include "base/incidence.h"
 #include "base/parallel.h"
 #include "dual/face_weight.h"
-#include "dual/simplex_faces.h"
+#include "mesh/incidence.h"
+#include "mesh/simplex_faces.h"
 
 namespace voropack {
 

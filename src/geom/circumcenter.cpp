@@ -10,7 +10,8 @@ namespace voropack {
 namespace {
 
 constexpr double kUnit = 0x1.0p-53;
-constexpr double kOffsetError = 1e-13;  // Relative to the edges at corner 0.
+constexpr double kDeterminantError = 1e-13;  // Relative.
+constexpr double kOffsetError = 1e-13;       // Relative to the edges at corner 0.
 
 /// The offset is numerator / (2 volume).
 template <class S, std::size_t D>
@@ -34,6 +35,17 @@ Center<S, 2> center(const std::array<Vec<2>, 3>& p) {
   const auto b = difference<S>(p[1], p[0]), c = difference<S>(p[2], p[0]);
   const S bb = dot<S>(b, b), cc = dot<S>(c, c);
   return {{bb * c[1] - cc * b[1], cc * b[0] - bb * c[0]}, cross<S>(b, c)};
+}
+
+template <class S>
+S determinant(const std::array<Vec<3>, 4>& p) {
+  const auto b = difference<S>(p[1], p[0]), c = difference<S>(p[2], p[0]), d = difference<S>(p[3], p[0]);
+  return dot<S>(d, cross<S>(b, c));
+}
+
+template <class S>
+S determinant(const std::array<Vec<2>, 3>& p) {
+  return cross<S>(difference<S>(p[1], p[0]), difference<S>(p[2], p[0]));
 }
 
 /// Bounds of the errors of numerator and volume in units of the arithmetic, and the length of the edges at corner 0.
@@ -95,6 +107,17 @@ Vec<D> circumcenter(const std::array<Vec<D>, D + 1>& simplex) {
   return simplex[0] + circumcenter_offset<D>(simplex);
 }
 
+template <int D>
+double simplex_determinant(const std::array<Vec<D>, D + 1>& simplex) {
+  const double fast = determinant<double>(simplex);
+  if (std::abs(fast) > kUnit / kDeterminantError * error_bound(simplex).volume) return fast;
+  const double scale = unit_scale(simplex, simplex[0]);
+  std::array<Vec<D>, D + 1> unit = simplex;
+  for (Vec<D>& p : unit) p *= scale;
+  const double volume_scale = D == 3 ? scale * scale * scale : scale * scale;
+  return to_double(determinant<Expansion>(unit).approximate()) / volume_scale;
+}
+
 Vec<3> triangle_circumcenter(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
   const Vec<3> u = b - a, v = c - a;
   const Vec<3> n = cross(u, v);
@@ -103,6 +126,8 @@ Vec<3> triangle_circumcenter(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) 
 
 template Vec<2> circumcenter_offset<2>(const std::array<Vec<2>, 3>&);
 template Vec<3> circumcenter_offset<3>(const std::array<Vec<3>, 4>&);
+template double simplex_determinant<2>(const std::array<Vec<2>, 3>&);
+template double simplex_determinant<3>(const std::array<Vec<3>, 4>&);
 template Vec<2> circumcenter<2>(const std::array<Vec<2>, 3>&);
 template Vec<3> circumcenter<3>(const std::array<Vec<3>, 4>&);
 

@@ -17,6 +17,10 @@ Vec<D> circumcenter(const std::array<Vec<D>, D + 1>& simplex);
 template <int D>
 Vec<D> circumcenter_offset(const std::array<Vec<D>, D + 1>& simplex);
 
+/// D! times the signed volume of a simplex: to 1e-13 relatively, however flat, and 0 only if it is flat.
+template <int D>
+double simplex_determinant(const std::array<Vec<D>, D + 1>& simplex);
+
 /// The circumcenter of a triangle in space, in its plane; plain double precision. Accurate while the triangle's
 /// angles are not tiny, which a bounded radius-edge ratio grants.
 Vec<3> triangle_circumcenter(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c);

@@ -1,0 +1,152 @@
+#include "quality/cell_aspect.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "base/parallel.h"
+#include "geom/circumcenter.h"
+#include "mesh/incidence.h"
+#include "mesh/simplex_faces.h"
+#include "quality/cell_balls.h"
+
+namespace voropack {
+
+namespace {
+
+Vec<2> face_circumcenter(const std::array<Vec<2>, 2>& p) { return 0.5 * (p[0] + p[1]); }
+Vec<3> face_circumcenter(const std::array<Vec<3>, 3>& p) { return triangle_circumcenter(p[0], p[1], p[2]); }
+
+/// Not normalized; points out of the simplex of which the face is (kFaceCorners).
+Vec<2> outward_normal(const std::array<Vec<2>, 2>& p) { return {p[1][1] - p[0][1], p[0][0] - p[1][0]}; }
+Vec<3> outward_normal(const std::array<Vec<3>, 3>& p) { return cross(p[2] - p[0], p[1] - p[0]); }
+
+/// One cell, relative to its site.
+template <int D>
+class Cell {
+ public:
+  Cell(const Mesh<D>& mesh, const IdVector<SimplexId, Vec<D>>& circumcenters)
+      : mesh_(mesh), circumcenters_(circumcenters) {}
+
+  /// R/r of the part of v's cell that the simplices cover; they are those around v in one region.
+  double aspect(VertexId v, std::span<const SimplexId> simplices) {
+    site_ = mesh_.points[v];
+    corners_.clear();
+    half_spaces_.clear();
+    others_.clear();
+    n_walls_ = 0;
+    for (const SimplexId s : simplices) add_simplex(v, s);
+    if (!corners_.empty() && n_walls_ > 0) corners_.push_back(Vec<D>{});
+    add_bisectors();
+    const double outer = smallest_enclosing_ball<D>(corners_).radius;
+    double inner = largest_inscribed_ball<D>(half_spaces_, outer).radius;
+    // At a corner that is so far from convex that no point sees all walls: the largest ball of any one simplex's part.
+    if (!(inner > kThinBall * outer)) {
+      for (const SimplexId s : simplices) inner = std::max(inner, ball_in_simplex(v, s, outer));
+    }
+    return inner > 0 ? outer / inner : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  static constexpr double kThinBall = 1e-6;
+
+  void add_simplex(VertexId v, SimplexId s) {
+    corners_.push_back(circumcenters_[s] - site_);
+    for (int i = 0; i <= D; ++i) {
+      const VertexId apex = mesh_.simplex_vertices[s][static_cast<std::size_t>(i)];
+      if (apex == v) continue;
+      others_.push_back(apex);
+      if (neighbor_in_region(mesh_, s, i).is_none()) add_wall(v, s, i);
+    }
+  }
+
+  /// A face at v where the region ends.
+  void add_wall(VertexId v, SimplexId s, int i) {
+    ++n_walls_;
+    const std::array<Vec<D>, D> face = positions(s, i);
+    corners_.push_back(face_circumcenter(face) - site_);
+    if constexpr (D == 3) {
+      for (const VertexId w : face_vertices(mesh_, s, i))
+        if (w != v) corners_.push_back(0.5 * (mesh_.points[w] - site_));
+    }
+    half_spaces_.push_back(wall(face));
+  }
+
+  [[nodiscard]] std::array<Vec<D>, D> positions(SimplexId s, int i) const {
+    std::array<Vec<D>, D> face;
+    const std::array<VertexId, D> vertices = face_vertices(mesh_, s, i);
+    for (std::size_t k = 0; k < D; ++k) face[k] = mesh_.points[vertices[k]];
+    return face;
+  }
+
+  static HalfSpace<D> wall(const std::array<Vec<D>, D>& face) {
+    const Vec<D> normal = outward_normal(face);
+    return {normal / norm(normal), 0.0};
+  }
+
+  void add_bisectors() {
+    std::sort(others_.begin(), others_.end());
+    others_.erase(std::unique(others_.begin(), others_.end()), others_.end());
+    for (const VertexId w : others_) {
+      const Vec<D> edge = mesh_.points[w] - site_;
+      const double length = norm(edge);
+      half_spaces_.push_back({edge / length, 0.5 * length});
+    }
+  }
+
+  double ball_in_simplex(VertexId v, SimplexId s, double size) {
+    std::vector<HalfSpace<D>> part(half_spaces_.end() - static_cast<std::ptrdiff_t>(others_.size()),
+                                   half_spaces_.end());
+    for (int i = 0; i <= D; ++i)
+      if (mesh_.simplex_vertices[s][static_cast<std::size_t>(i)] != v) part.push_back(wall(positions(s, i)));
+    return largest_inscribed_ball<D>(part, size).radius;
+  }
+
+  const Mesh<D>& mesh_;
+  const IdVector<SimplexId, Vec<D>>& circumcenters_;
+  Vec<D> site_;
+  std::vector<Vec<D>> corners_;
+  std::vector<HalfSpace<D>> half_spaces_;  // Walls first, then one per other vertex.
+  std::vector<VertexId> others_;
+  std::size_t n_walls_ = 0;
+};
+
+template <int D>
+IdVector<SimplexId, Vec<D>> all_circumcenters(const Mesh<D>& mesh) {
+  IdVector<SimplexId, Vec<D>> centers(mesh.simplex_vertices.size());
+  parallel_for(centers.size(), [&](std::size_t k) {
+    const SimplexId s(k);
+    std::array<Vec<D>, D + 1> p;
+    for (std::size_t c = 0; c <= D; ++c) p[c] = mesh.points[mesh.simplex_vertices[s][c]];
+    centers[s] = circumcenter<D>(p);
+  });
+  return centers;
+}
+
+}  // namespace
+
+template <int D>
+std::vector<double> cell_aspects(const Mesh<D>& mesh, const ControlVolumes<D>& volumes, Observer& observer) {
+  constexpr std::size_t kBlock = 2048;
+  const IdVector<SimplexId, Vec<D>> centers = all_circumcenters(mesh);
+  const Csr<VertexId, SimplexId> vertex_simplices =
+      invert_incidence<VertexId>(mesh.simplex_vertices, mesh.points.size());
+  std::vector<double> aspects(volumes.cell_vertex.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, aspects.size(), kBlock), [&](const auto& range) {
+    observer.check_cancelled();
+    Cell<D> cell(mesh, centers);
+    std::vector<SimplexId> simplices;
+    for (std::size_t c = range.begin(); c != range.end(); ++c) {
+      const VertexId v = volumes.cell_vertex[CellId(c)];
+      simplices.clear();
+      for (const SimplexId s : vertex_simplices[v])
+        if (mesh.simplex_region[s] == volumes.cell_region[CellId(c)]) simplices.push_back(s);
+      aspects[c] = cell.aspect(v, simplices);
+    }
+  });
+  return aspects;
+}
+
+template std::vector<double> cell_aspects(const Mesh<2>&, const ControlVolumes<2>&, Observer&);
+template std::vector<double> cell_aspects(const Mesh<3>&, const ControlVolumes<3>&, Observer&);
+
+}  // namespace voropack
