@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,9 @@ struct CertificateOptions {
   PackingForm form = PackingForm::kVoronoi;
   double epsilon = 0.25;              ///< With kMaximal and kFiltered.
   std::optional<double> radius_edge;  ///< Largest ratio to accept; default: the bounds of docs/theory/certificate.md.
+  /// f at a point of D coordinates; safe to call from many threads. Without it, voronoi_maximal knows f at a
+  /// circumcenter only up to b R, and counts as violations those where a vertex would fit whatever f is.
+  std::function<double(std::span<const double>)> spacing;
 };
 
 struct Certificate {

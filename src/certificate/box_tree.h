@@ -1,0 +1,119 @@
+// A balanced tree of boxes over points or balls: the certificate's only search structure. Robust against any grading,
+// because it splits at medians and keeps no cell size.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "base/parallel.h"
+#include "voropack/vec.h"
+
+namespace voropack::judge {
+
+/// Squared distance between two boxes, 0 if they meet.
+template <int D>
+double distance_sq(const Box<D>& a, const Box<D>& b) {
+  double s = 0;
+  for (int k = 0; k < D; ++k) {
+    const double d = std::max({a.lo[k] - b.hi[k], 0.0, b.lo[k] - a.hi[k]});
+    s += d * d;
+  }
+  return s;
+}
+
+/// A complete binary tree: node j of level l holds the items at positions [n j / 2^l, n (j+1) / 2^l) of `order`.
+///
+/// Each item has a box and a weight; each node the union of the boxes and the largest weight.
+template <int D>
+class BoxTree {
+ public:
+  BoxTree() = default;
+
+  /// `box_of(i)` for item i in [0, n), `weight_of(i)` >= 0. Expected O(n log n).
+  template <class BoxOf, class WeightOf>
+  BoxTree(std::size_t n, const BoxOf& box_of, const WeightOf& weight_of) : n_(n) {
+    order_.resize(n);
+    std::vector<Vec<D>> center(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      order_[i] = static_cast<std::uint32_t>(i);
+      center[i] = box_of(i).center();
+    }
+    while ((n >> depth_) > kLeafSize) ++depth_;
+    for (int level = 0; level < depth_; ++level)
+      parallel_for(
+          std::size_t{1} << level, [&](std::size_t j) { split(level, j, center); }, 1);
+    summarize(box_of, weight_of);
+  }
+
+  [[nodiscard]] std::size_t size() const { return n_; }
+  [[nodiscard]] const std::vector<std::uint32_t>& order() const { return order_; }
+  [[nodiscard]] std::size_t n_leaves() const { return n_ == 0 ? 0 : std::size_t{1} << depth_; }
+  [[nodiscard]] std::size_t leaf_begin(std::size_t leaf) const { return (n_ * leaf) >> depth_; }
+  [[nodiscard]] const Box<D>& leaf_box(std::size_t leaf) const { return box_[n_leaves() - 1 + leaf]; }
+  [[nodiscard]] double leaf_weight(std::size_t leaf) const { return weight_[n_leaves() - 1 + leaf]; }
+
+  /// Depth first: enter(box, weight) says whether a node is of interest, leaf(begin, end) gets positions in `order`.
+  template <class Enter, class Leaf>
+  void visit(const Enter& enter, const Leaf& leaf) const {
+    if (n_ == 0) return;
+    std::uint64_t stack[64];
+    int top = 0;
+    stack[top++] = 0;
+    const std::size_t first_leaf = n_leaves() - 1;
+    while (top > 0) {
+      const std::size_t node = stack[--top];
+      if (!enter(box_[node], weight_[node])) continue;
+      if (node >= first_leaf) {
+        leaf(leaf_begin(node - first_leaf), leaf_begin(node - first_leaf + 1));
+      } else {
+        stack[top++] = 2 * node + 2;
+        stack[top++] = 2 * node + 1;
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kLeafSize = 8;
+
+  void split(int level, std::size_t j, const std::vector<Vec<D>>& center) {
+    const std::size_t begin = (n_ * j) >> level;
+    const std::size_t end = (n_ * (j + 1)) >> level;
+    const std::size_t middle = (n_ * (2 * j + 1)) >> (level + 1);
+    Box<D> box;
+    for (std::size_t i = begin; i < end; ++i) box.add(center[order_[i]]);
+    int axis = 0;
+    for (int k = 1; k < D; ++k)
+      if (box.hi[k] - box.lo[k] > box.hi[axis] - box.lo[axis]) axis = k;
+    const auto at = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(begin), at(middle), at(end),
+                     [&](std::uint32_t a, std::uint32_t b) { return center[a][axis] < center[b][axis]; });
+  }
+
+  template <class BoxOf, class WeightOf>
+  void summarize(const BoxOf& box_of, const WeightOf& weight_of) {
+    if (n_ == 0) return;
+    const std::size_t first_leaf = n_leaves() - 1;
+    box_.resize(2 * first_leaf + 1);
+    weight_.assign(box_.size(), 0);
+    for (std::size_t leaf = 0; leaf <= first_leaf; ++leaf) {
+      for (std::size_t i = leaf_begin(leaf); i < leaf_begin(leaf + 1); ++i) {
+        box_[first_leaf + leaf].add(box_of(order_[i]));
+        weight_[first_leaf + leaf] = std::max(weight_[first_leaf + leaf], static_cast<double>(weight_of(order_[i])));
+      }
+    }
+    for (std::size_t node = first_leaf; node-- > 0;) {
+      box_[node] = box_[2 * node + 1];
+      box_[node].add(box_[2 * node + 2]);
+      weight_[node] = std::max(weight_[2 * node + 1], weight_[2 * node + 2]);
+    }
+  }
+
+  std::size_t n_ = 0;
+  int depth_ = 0;
+  std::vector<std::uint32_t> order_;
+  std::vector<Box<D>> box_;  ///< Heap order: children of k are 2k+1 and 2k+2.
+  std::vector<double> weight_;
+};
+
+}  // namespace voropack::judge

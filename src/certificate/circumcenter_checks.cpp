@@ -1,0 +1,318 @@
+// Checks `voronoi_maximal`, `voronoi_containment` and `radius_edge`: one pass over the circumcenters of the simplices.
+#include <algorithm>
+
+#include "base/parallel.h"
+#include "certificate/checks.h"
+#include "geom/tolerance.h"
+
+namespace voropack::judge {
+
+namespace {
+
+/// Relative slack of comparisons between lengths that were computed in double precision.
+constexpr double kSlack = 1e-9;
+
+/// A circumcenter beyond a boundary face by less than this part of its radius lies on it, up to rounding.
+constexpr double kOnFace = 1e-9;
+
+/// Largest radius-edge ratio to accept where the theory gives no bound.
+constexpr double kPracticalRadiusEdge = 2.5;
+
+enum MaximalFault : int { kInsertable = 1 };
+enum ContainmentFault : int { kBeyondFace = 1, kWalkLost };
+
+/// Largest radius-edge ratio of simplices whose circumcenter cannot be added for a given reason.
+///
+/// Lemmas 3.1, 3.5 and 3.8 of [Miller1996] with the Lipschitz constant b apart from the feature factor, and for
+/// epsilon-maximal packings (E = epsilon): f(c) >= delta * R if a vertex blocks c, with
+/// delta = (1 - b) / (2 + E (1 + b)). In a ball of radius Q whose own center satisfies f >= delta Q (enlarged by E f),
+/// f(c) >= G(delta) R with G(delta) = (delta - b) / (sqrt 2 (1 + b E) + E (delta - b)). With f(c) >= g R the ratio is
+/// at most 1 / (2 (g - b)). For E = 0 these are the three bounds of the lemmas.
+struct RatioBounds {
+  double vertex, edge_ball, face_ball;
+};
+
+double ratio_bound(double g, double b) { return g > b ? 1 / (2 * (g - b)) : kPracticalRadiusEdge; }
+
+RatioBounds ratio_bounds(const CertificateOptions& options, bool has_spacing, double b) {
+  if (options.radius_edge) return {*options.radius_edge, *options.radius_edge, *options.radius_edge};
+  if (!has_spacing || b >= 1) return {kPracticalRadiusEdge, kPracticalRadiusEdge, kPracticalRadiusEdge};
+  const double epsilon = options.form == PackingForm::kVoronoi ? 0 : options.epsilon;
+  const auto in_ball = [&](double delta) {
+    return (delta - b) / (std::sqrt(2.0) * (1 + b * epsilon) + epsilon * (delta - b));
+  };
+  const double delta_1 = (1 - b) / (2 + epsilon * (1 + b));
+  const double delta_2 = std::min(delta_1, in_ball(delta_1));
+  return {ratio_bound(delta_1, b), ratio_bound(in_ball(delta_1), b), ratio_bound(in_ball(delta_2), b)};
+}
+
+/// Which protecting balls hold a point.
+struct BallsAround {
+  bool edge = false;
+  bool face = false;
+  [[nodiscard]] bool any() const { return edge || face; }
+};
+
+enum class Blocked : std::uint8_t { kNo, kByVertex, kByBall, kUnknown };
+
+struct Tallies {
+  Tally maximal, containment, ratio;
+  Tallies& operator+=(const Tallies& other) {
+    maximal += other.maximal;
+    containment += other.containment;
+    ratio += other.ratio;
+    return *this;
+  }
+};
+
+template <int D>
+class CircumcenterPass {
+ public:
+  explicit CircumcenterPass(const Subject<D>& subject)
+      : subject_(subject),
+        topology_(subject.topology),
+        bounds_(ratio_bounds(subject.options, subject.has_spacing, subject.gradation)),
+        epsilon_(subject.options.form == PackingForm::kVoronoi ? 0 : subject.options.epsilon),
+        ball_tree_(
+            subject.balls.size(),
+            [&](std::size_t i) {
+              const DiametralBall<D>& ball = subject.balls[i].ball;
+              if (!is_finite(ball.center) || !std::isfinite(ball.radius_sq))
+                return Box<D>(subject.point(subject.balls[i].corner[0]), subject.point(subject.balls[i].corner[0]));
+              Box<D> box(ball.center, ball.center);
+              box.inflate((1 + kSlack) * (std::sqrt(ball.radius_sq) + ball.error));
+              return box;
+            },
+            [](std::size_t) { return 0.0; }) {}
+
+  void test(std::size_t s, Tallies& tallies) const {
+    const std::array<Vec<D>, D + 1> p = topology_.corners(s);
+    const Circumball<D> ball = circumball<D>(p);
+    if (!(ball.determinant > 0) || !std::isfinite(ball.radius)) return;  // Flat or inverted: see `delaunay`.
+    const auto id = static_cast<std::uint32_t>(s);
+    const bool contained = test_containment(s, p, ball, tallies.containment);
+    std::optional<BallsAround> around;
+    Blocked blocked = Blocked::kUnknown;
+    if (subject_.has_spacing && contained) {
+      blocked = find_blocker(s, ball, around);
+      if (blocked == Blocked::kUnknown)
+        ++tallies.maximal.undecided;
+      else if (blocked == Blocked::kNo)
+        tallies.maximal.violation(kInsertable, relative_radius(s, ball), id);
+      else
+        tallies.maximal.legal(relative_radius(s, ball), id);
+    }
+    test_ratio(id, p, ball, blocked, around, tallies.ratio);
+  }
+
+ private:
+  /// R / (2 f) with f the mean of the corners: above 1 a point would fit at the circumcenter if f were constant.
+  [[nodiscard]] double relative_radius(std::size_t s, const Circumball<D>& ball) const {
+    double sum = 0;
+    for (const VertexId v : subject_.mesh.simplex_vertices[SimplexId(s)]) sum += subject_.spacing(v.value());
+    return ball.radius * (D + 1) / (2 * sum);
+  }
+
+  /// True if c is in no simplex but this region's: the straight way from the barycenter to c crosses no boundary face.
+  bool test_containment(std::size_t s, const std::array<Vec<D>, D + 1>& p, const Circumball<D>& ball,
+                        Tally& tally) const {
+    // All barycentric coordinates shrink from 1 / (D + 1) to the circumcenter's; the most negative is the exit.
+    int exit =
+        static_cast<int>(std::min_element(ball.barycentric.begin(), ball.barycentric.end()) - ball.barycentric.begin());
+    const auto id = static_cast<std::uint32_t>(s);
+    if (!(ball.barycentric[static_cast<std::size_t>(exit)] < 0)) {
+      tally.legal(0, id, id);
+      return true;
+    }
+    Vec<D> start;
+    for (const Vec<D>& corner : p) start += corner / (D + 1);
+    std::size_t here = s;
+    Barycentric<D> end = barycentric<D>(p, ball.center);
+    constexpr int kMaxSteps = 100'000;
+    for (int step = 0; step < kMaxSteps; ++step) {
+      if (topology_.on_boundary(here, exit) || topology_.neighbor(here, exit) == kNone) {
+        const auto e = static_cast<std::size_t>(exit);
+        const double coordinate = step == 0 ? ball.barycentric[e] : end.coordinate[e];
+        const double beyond = -coordinate * end.height[e];
+        const double figure = beyond / ball.radius;
+        if (beyond > kOnFace * ball.radius + ball.error) {
+          tally.violation(kBeyondFace, figure, id, static_cast<std::uint32_t>(here), static_cast<std::uint32_t>(exit));
+          return false;
+        }
+        tally.legal(figure, id, static_cast<std::uint32_t>(here));
+        return true;
+      }
+      const std::size_t next = topology_.neighbor(here, exit);
+      const int entry = topology_.corner_towards(static_cast<std::uint32_t>(next), here);
+      here = next;
+      const std::array<Vec<D>, D + 1> q = topology_.corners(here);
+      end = barycentric<D>(q, ball.center);
+      const Barycentric<D> from = barycentric<D>(q, start);
+      exit = -1;
+      double first = std::numeric_limits<double>::infinity();
+      for (int i = 0; i <= D; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        // Beyond the face by rounding only: the walk has arrived.
+        if (i == entry || !(end.coordinate[k] * end.height[k] < -ball.error)) continue;
+        const double at = from.coordinate[k] > 0 ? from.coordinate[k] / (from.coordinate[k] - end.coordinate[k]) : 0;
+        if (at < first) {
+          first = at;
+          exit = i;
+        }
+      }
+      if (exit < 0) {
+        tally.legal(0, id, static_cast<std::uint32_t>(here));
+        return true;
+      }
+    }
+    tally.violation(kWalkLost, kNoFigure, id, static_cast<std::uint32_t>(here));
+    return false;
+  }
+
+  /// The protecting balls that hold c, closed, enlarged by the margin that the maker may keep and by `extra`.
+  [[nodiscard]] BallsAround balls_around(const Circumball<D>& c, double extra) const {
+    BallsAround around;
+    ball_tree_.visit(
+        [&](const Box<D>& box, double) {
+          const double reach = extra + c.error + kSlack * c.radius;
+          return box.distance_sq(c.center) <= reach * reach;
+        },
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) {
+            const ProtectingBall<D>& ball = subject_.balls[ball_tree_.order()[i]];
+            const double reach =
+                (1 + 2 * kBallMargin) * std::sqrt(ball.ball.radius_sq) + ball.ball.error + c.error + extra;
+            if (!(distance_sq(ball.ball.center, c.center) <= reach * reach)) continue;
+            (ball.n_corners == 2 ? around.edge : around.face) = true;
+          }
+        });
+    return around;
+  }
+
+  /// Does any vertex q satisfy |c - q| <= f(c) + f(q)?
+  [[nodiscard]] bool vertex_blocks(const Circumball<D>& c, double f) const {
+    const VertexTree<D>& vertices = subject_.vertices;
+    bool found = false;
+    const double slack = c.error + kSlack * c.radius;
+    vertices.tree.visit(
+        [&](const Box<D>& box, double weight) {
+          const double reach = f + weight + slack;
+          return !found && box.distance_sq(c.center) <= reach * reach;
+        },
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) {
+            const double reach = f + vertices.spacing[i] + slack;
+            found = found || distance_sq(vertices.point[i], c.center) <= reach * reach;
+          }
+        });
+    return found;
+  }
+
+  /// Why c cannot be added. f(c) is only known to lie in [low, high] unless the options give f.
+  Blocked find_blocker(std::size_t s, const Circumball<D>& ball, std::optional<BallsAround>& around) const {
+    double low = 0;
+    double high = std::numeric_limits<double>::infinity();
+    double largest = 0;
+    for (const VertexId v : subject_.mesh.simplex_vertices[SimplexId(s)]) {
+      const double f = subject_.spacing(v.value());
+      low = std::max(low, f - subject_.gradation * ball.radius);
+      high = std::min(high, f + subject_.gradation * ball.radius);
+      largest = std::max(largest, f);
+    }
+    // R (1 - b) <= (2 + E (1 + b)) f(c) is what an epsilon-maximal packing promises; with E = 0, that some corner
+    // blocks c is the same but for the use of b.
+    const double b = subject_.gradation;
+    const double radius = ball.radius * (1 - kSlack) - ball.error;
+    const auto corner_blocks = [&](double f) {
+      if (epsilon_ > 0) return radius * (1 - b) <= (2 + epsilon_ * (1 + b)) * f;
+      return radius <= f + largest;
+    };
+    if (corner_blocks(low)) return Blocked::kByVertex;
+    bool exact = false;
+    if (subject_.options.spacing) {
+      const double f = subject_.options.spacing(std::span<const double>(ball.center.coord));
+      low = high = f;
+      exact = true;
+      if (corner_blocks(f)) return Blocked::kByVertex;
+    }
+    around = balls_around(ball, epsilon_ * high);
+    if (around->any()) return Blocked::kByBall;
+    if (corner_blocks(high) || vertex_blocks(ball, high)) return exact ? Blocked::kByVertex : Blocked::kUnknown;
+    return Blocked::kNo;
+  }
+
+  void test_ratio(std::uint32_t s, const std::array<Vec<D>, D + 1>& p, const Circumball<D>& ball, Blocked blocked,
+                  std::optional<BallsAround>& around, Tally& tally) const {
+    double shortest_sq = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < D; ++i)
+      for (std::size_t j = i + 1; j <= D; ++j) shortest_sq = std::min(shortest_sq, distance_sq(p[i], p[j]));
+    const double ratio = ball.radius / std::sqrt(shortest_sq);
+    double bound = bounds_.vertex;
+    if (ratio > bound * (1 + kSlack) && blocked != Blocked::kByVertex) {
+      if (!around) around = balls_around(ball, subject_.has_spacing ? epsilon_ * largest_spacing(s, ball.radius) : 0);
+      if (around->face) bound = std::max(bound, bounds_.face_ball);
+      if (around->edge && !around->face) bound = std::max(bound, bounds_.edge_ball);
+    }
+    if (ratio > bound * (1 + kSlack))
+      tally.violation(1, ratio, s);
+    else
+      tally.legal(ratio, s);
+  }
+
+  [[nodiscard]] double largest_spacing(std::uint32_t s, double radius) const {
+    double f = 0;
+    for (const VertexId v : subject_.mesh.simplex_vertices[SimplexId(s)]) f = std::max(f, subject_.spacing(v.value()));
+    return f + subject_.gradation * radius;
+  }
+
+  const Subject<D>& subject_;
+  const Topology<D>& topology_;
+  RatioBounds bounds_;
+  double epsilon_;
+  BoxTree<D> ball_tree_;
+};
+
+template <int D>
+std::string describe_containment(const Subject<D>& subject, const Finding& worst) {
+  if (!worst.present) return {};
+  std::string text = subject.simplex_text(worst.ids[0]);
+  if (worst.kind == kBeyondFace) {
+    text +=
+        " has its circumcenter beyond the boundary face of simplex " + std::to_string(worst.ids[1]) + " with vertices";
+    const auto& v = subject.mesh.simplex_vertices[SimplexId(worst.ids[1])];
+    for (std::size_t i = 0; i <= D; ++i)
+      if (i != worst.ids[2]) text += ' ' + std::to_string(v[i].value());
+  }
+  if (worst.kind == kWalkLost) text += ": the way to its circumcenter does not end";
+  return text;
+}
+
+}  // namespace
+
+template <int D>
+std::array<Check, 3> check_circumcenters(const Subject<D>& subject) {
+  const CircumcenterPass<D> pass(subject);
+  const Tallies tallies = parallel_reduce_ordered(
+      subject.mesh.simplex_vertices.size(), kBlock, Tallies{},
+      [&](std::size_t begin, std::size_t end) {
+        subject.observer.check_cancelled();
+        Tallies block;
+        for (std::size_t s = begin; s < end; ++s)
+          if (subject.topology.valid(s)) pass.test(s, block);
+        return block;
+      },
+      [](Tallies a, const Tallies& b) { return a += b; });
+  const auto simplex = [&](const Tally& tally, const char* fault) {
+    if (!tally.worst.present) return std::string();
+    return subject.simplex_text(tally.worst.ids[0]) + (tally.worst.kind > 0 ? fault : "");
+  };
+  return {
+      make_check("voronoi_maximal", tallies.maximal, simplex(tallies.maximal, ": a vertex fits at its circumcenter")),
+      make_check("voronoi_containment", tallies.containment, describe_containment(subject, tallies.containment.worst)),
+      make_check("radius_edge", tallies.ratio, simplex(tallies.ratio, ": longer than its class allows"))};
+}
+
+template std::array<Check, 3> check_circumcenters(const Subject<2>&);
+template std::array<Check, 3> check_circumcenters(const Subject<3>&);
+
+}  // namespace voropack::judge
