@@ -1,11 +1,12 @@
 # Lint, the command line, the examples' domains, and strangers' projects.
-find_package(Python3 REQUIRED COMPONENTS Interpreter)
+# Debian's Python, which has meshio and vtk, before any other that may come first in the path.
+find_program(VOROPACK_PYTHON NAMES python3 HINTS /usr/bin REQUIRED)
 
-add_test(NAME lint/include_direction COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/lint/include_direction.py)
+add_test(NAME lint/include_direction COMMAND ${VOROPACK_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/lint/include_direction.py)
 add_test(NAME lint/include_direction_self_test
-         COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/lint/include_direction.py --self-test)
+         COMMAND ${VOROPACK_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/lint/include_direction.py --self-test)
 add_test(NAME lint/headers_alone
-         COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/lint/headers_alone.py ${CMAKE_CXX_COMPILER})
+         COMMAND ${VOROPACK_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/lint/headers_alone.py ${CMAKE_CXX_COMPILER})
 
 # Strangers' projects that build against us, as a subdirectory and installed.
 foreach(way IN ITEMS find_package subdirectory)
@@ -25,7 +26,7 @@ if(VOROPACK_BUILD_TOOLS)
   # One CTest test per class of tests, so that they run side by side and are counted.
   foreach(test IN ITEMS options outputs interrupt report mesh determinism check formats run_scripts)
     add_test(NAME cli/${test}
-             COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/cli/${test}_test.py -v)
+             COMMAND ${VOROPACK_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/cli/${test}_test.py -v)
     set_tests_properties(cli/${test} PROPERTIES LABELS cli
       ENVIRONMENT "VOROPACK=$<TARGET_FILE:voropack_cli>;VOROPACK_SOURCE=${PROJECT_SOURCE_DIR}")
   endforeach()
