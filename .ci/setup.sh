@@ -1,8 +1,10 @@
+# shellcheck shell=bash
 # Shared by run, test and .ci/run: Debian packages and the release build. Sourced; expects `set -euo pipefail`.
 # Everything it says goes to standard error.
 
 project_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build_dir=$project_dir/build/release
+# shellcheck disable=SC2034  # Used by run.
 program=$build_dir/apps/voropack/voropack
 
 say() { printf '%s\n' "$*" >&2; }

@@ -1,0 +1,79 @@
+"""Other people's readers agree with us: meshio and VTK read what we write; doubles survive."""
+import unittest
+import xml.etree.ElementTree
+
+from harness import CommandLineTest, read_table, square_poly, two_boxes_poly
+
+try:
+    import meshio
+except ImportError:
+    meshio = None
+try:
+    import vtk
+    from vtk.util.numpy_support import vtk_to_numpy
+except ImportError:
+    vtk = None
+
+
+class Formats(CommandLineTest):
+    def setUp(self):
+        super().setUp()
+        self.write("two.poly", two_boxes_poly())
+        self.write("square.poly", square_poly())
+        self.succeed("mesh", "two.poly", "-o", "a.node", "-o", "a.vtu", "--cells", "c.vtu", "--size", "0.5",
+                     "--report", "report.json")
+
+    def test_numbers_survive_a_round_trip(self):
+        self.succeed("convert", "a.node", "b.vtu")
+        self.succeed("convert", "b.vtu", "c.node")
+        for extension in [".node", ".ele", ".face", ".edge"]:
+            self.assertEqual(read_table(self.folder / f"a{extension}"), read_table(self.folder / f"c{extension}"))
+        self.assertEqual((self.folder / "a.vtu").read_bytes(), (self.folder / "b.vtu").read_bytes())
+
+    @unittest.skipIf(meshio is None, "meshio is not installed")
+    def test_meshio_reads_the_mesh(self):
+        mesh = meshio.read(self.folder / "a.vtu")
+        counts = self.report()["counts"]
+        self.assertEqual(len(mesh.points), counts["vertices"])
+        self.assertEqual(sum(len(block.data) for block in mesh.cells), counts["simplices"])
+        for name in ["spacing", "marker", "carrier_dimension"]:
+            self.assertIn(name, mesh.point_data)
+        self.assertEqual(set(mesh.cell_data["region"][0]), {1, 2})
+
+    def read_vtk(self, name):
+        reader = vtk.vtkXMLUnstructuredGridReader()
+        reader.SetFileName(str(self.folder / name))
+        reader.Update()
+        return reader.GetOutput()
+
+    @unittest.skipIf(vtk is None, "vtk is not installed")
+    def test_vtk_agrees_on_the_volumes_of_the_cells(self):
+        grid = self.read_vtk("c.vtu")
+        self.assertEqual(grid.GetNumberOfCells(), self.report()["counts"]["cells"])
+        self.assertEqual(grid.GetCellType(0), vtk.VTK_POLYHEDRON)
+        sizes = vtk.vtkCellSizeFilter()
+        sizes.SetInputData(grid)
+        sizes.Update()
+        data = sizes.GetOutput().GetCellData()
+        measured, stated = (vtk_to_numpy(data.GetArray(name)) for name in ("Volume", "volume"))
+        self.assertAlmostEqual(stated.sum(), 2, places=10)
+        self.assertAlmostEqual(abs(measured).sum(), 2, places=6)
+        self.assertLess(abs(abs(measured) - stated).max(), 1e-6)
+
+    @unittest.skipIf(vtk is None, "vtk is not installed")
+    def test_vtk_reads_2d_cells(self):
+        self.succeed("mesh", "square.poly", "-o", "s.vtu", "--cells", "sc.vtu", "--size", "0.3")
+        grid = self.read_vtk("sc.vtu")
+        self.assertEqual(grid.GetCellType(0), vtk.VTK_POLYGON)
+        self.assertAlmostEqual(vtk_to_numpy(grid.GetCellData().GetArray("volume")).sum(), 1, places=10)
+
+    def test_a_plot_is_xml_and_small(self):
+        self.succeed("mesh", "square.poly", "-o", "s.node", "--size", "0.1")
+        self.succeed("plot", "s.node", "-o", "s.svg")
+        picture = self.folder / "s.svg"
+        self.assertTrue(xml.etree.ElementTree.parse(picture).getroot().tag.endswith("svg"))
+        self.assertLess(picture.stat().st_size, 200_000)
+
+
+if __name__ == "__main__":
+    unittest.main()
