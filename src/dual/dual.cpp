@@ -18,7 +18,7 @@ namespace voropack {
 
 namespace {
 
-constexpr std::size_t kBlock = 4096;  // Vertices or simplices per task.
+constexpr std::size_t kBlock = 1024;  // Vertices or simplices per task.
 
 /// [simplex][i] the share of the simplex in the weight q of the face opposite to corner i (face_weight.h): one half of
 /// an interior face's q, so that both its simplices add up to q; all of q where the region ends.

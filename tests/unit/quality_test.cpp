@@ -1,0 +1,192 @@
+// The quality figures on meshes whose figures are known, and their laws on others.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "quality/cell_balls.h"
+#include "support/delaunay_mesh.h"
+#include "voropack/dual.h"
+#include "voropack/quality.h"
+
+namespace voropack {
+namespace {
+
+using test::delaunay_mesh;
+using test::perturbed_grid;
+
+template <int D>
+QualityReport measure(const Mesh<D>& mesh) {
+  return measure_quality(mesh, build_control_volumes(mesh));
+}
+
+Mesh<3> regular_tetrahedron() {
+  return delaunay_mesh<3>({Vec<3>{1, 1, 1}, Vec<3>{1, -1, -1}, Vec<3>{-1, 1, -1}, Vec<3>{-1, -1, 1}});
+}
+
+TEST(Quality, OfTheRegularTetrahedron) {
+  const QualityReport q = measure(regular_tetrahedron());
+  EXPECT_NEAR(q.radius_edge.max, std::sqrt(3.0 / 8), 1e-14);
+  EXPECT_NEAR(q.angle_deg.min, 60, 1e-12);
+  EXPECT_NEAR(q.angle_deg.max, 60, 1e-12);
+  EXPECT_NEAR(q.angle_deg.mean, 60, 1e-9);
+  ASSERT_TRUE(q.dihedral_deg);
+  EXPECT_NEAR(q.dihedral_deg->min, std::acos(1.0 / 3) * 180 / M_PI, 1e-12);
+  EXPECT_NEAR(q.dihedral_deg->max, q.dihedral_deg->min, 1e-12);
+  EXPECT_NEAR(q.edge_length.mean, std::sqrt(8.0), 1e-14);
+  EXPECT_NEAR(q.volume_sum, 8.0 / 3, 1e-14);
+  EXPECT_NEAR(q.domain_volume, 8.0 / 3, 1e-14);
+  EXPECT_EQ(q.n_boundary_simplices, 4U);
+  EXPECT_EQ(q.n_dual_faces, 6U);
+}
+
+TEST(Quality, OfTheUnitGrid) {
+  const auto q = measure(delaunay_mesh(perturbed_grid<3>(4, 0)));
+  EXPECT_EQ(q.n_vertices, 125U);
+  EXPECT_EQ(q.n_cells, 125U);
+  EXPECT_NEAR(q.volume_sum, 1, 1e-14);
+  EXPECT_NEAR(q.radius_edge.max, std::sqrt(3.0) / 2, 1e-14);
+  EXPECT_NEAR(q.edge_length.max, 0.25, 1e-15);
+  // Cells are boxes: cubes, and halves, quarters and eighths of a cube. Halves are the longest: 1 x 1 x 1/2.
+  EXPECT_NEAR(q.cell_aspect.min, std::sqrt(3.0), 1e-6);
+  EXPECT_NEAR(q.cell_aspect.max, 3, 1e-6);
+  EXPECT_NEAR(q.min_face_area, 1.0 / 64, 1e-15);
+  EXPECT_EQ(q.n_negative_faces, 0U);
+}
+
+TEST(Quality, OfTheSquareGrid) {
+  const auto q = measure(delaunay_mesh(perturbed_grid<2>(4, 0)));
+  EXPECT_NEAR(q.angle_deg.min, 45, 1e-12);
+  EXPECT_NEAR(q.angle_deg.max, 90, 1e-12);
+  EXPECT_NEAR(q.angle_deg.mean, 60, 0.01);
+  EXPECT_FALSE(q.dihedral_deg);
+  EXPECT_NEAR(q.cell_aspect.min, std::sqrt(2.0), 1e-6);
+  EXPECT_NEAR(q.cell_aspect.max, std::sqrt(5.0), 1e-6);
+  // Two angles of 45 degrees for each of 90.
+  EXPECT_EQ(q.angle_deg.histogram.bins[9], 2 * q.angle_deg.histogram.bins[18]);
+}
+
+TEST(Quality, FlatSliversHaveTheirTrueFigures) {
+  for (const double eps : {1e-4, 1e-10, 1e-14}) {
+    const auto q = measure(delaunay_mesh(perturbed_grid<3>(4, eps)));
+    // Slivers are flat by the perturbation, but their spheres are those of the cubes.
+    EXPECT_LT(q.dihedral_deg->min, 360 * eps);
+    EXPECT_GT(q.dihedral_deg->max, 180 - 360 * eps - 1e-9);
+    EXPECT_NEAR(q.radius_edge.max, std::sqrt(3.0) / 2, 4 * eps + 1e-12);
+    EXPECT_NEAR(q.cell_aspect.max, 3, 20 * eps + 1e-6);
+  }
+}
+
+TEST(Quality, RegionsAreCountedAndMeasured) {
+  const auto mesh =
+      delaunay_mesh<3>(perturbed_grid<3>(4, 1e-2, 1, true), [](const Vec<3>& x) { return x[0] < 0.5 ? 7 : 3; });
+  const auto q = measure(mesh);
+  ASSERT_EQ(q.regions.size(), 2U);
+  EXPECT_EQ(q.regions[0].id, 3);
+  EXPECT_EQ(q.regions[1].id, 7);
+  EXPECT_EQ(q.regions[0].n_simplices + q.regions[1].n_simplices, mesh.simplex_vertices.size());
+  for (const auto& region : q.regions) EXPECT_NEAR(region.volume, 0.5, 1e-14);
+}
+
+TEST(Quality, SpreadsAreOrderedAndCountEverything) {
+  const auto mesh = delaunay_mesh(perturbed_grid<3>(5, 0.02));
+  const auto q = measure(mesh);
+  for (const auto& spread : {q.radius_edge, q.edge_length, q.angle_deg, *q.dihedral_deg, q.cell_aspect}) {
+    EXPECT_LE(spread.min, spread.mean);
+    EXPECT_LE(spread.mean, spread.max);
+    EXPECT_LE(spread.p99, spread.max);
+    EXPECT_GE(spread.p99, spread.min);
+  }
+  const auto total = [](const QualityReport::Spread& s) {
+    std::uint64_t n = 0;
+    for (const auto k : s.histogram.bins) n += k;
+    return n;
+  };
+  EXPECT_EQ(total(q.radius_edge), q.n_simplices);
+  EXPECT_EQ(total(*q.dihedral_deg), 6 * q.n_simplices);
+  EXPECT_EQ(total(q.cell_aspect), q.n_cells);
+  // Each interior face counts once, with three angles: 4 n = 2 interior + boundary.
+  EXPECT_EQ(total(q.angle_deg), 3 * (4 * q.n_simplices + q.n_boundary_simplices) / 2);
+}
+
+TEST(Quality, ReentrantCornersGetFiniteFigures) {
+  // Three quarters of a square: the cell at the corner is not convex.
+  auto mesh = delaunay_mesh(perturbed_grid<2>(4, 0));
+  Mesh<2> ell;
+  ell.points = mesh.points;
+  for (const SimplexId s : ids(mesh.simplex_vertices)) {
+    Vec<2> mean;
+    for (const VertexId v : mesh.simplex_vertices[s]) mean += mesh.points[v] / 3;
+    if (mean[0] > 0.5 && mean[1] > 0.5) continue;
+    ell.simplex_vertices.push_back(mesh.simplex_vertices[s]);
+    ell.simplex_region.push_back(1);
+  }
+  test::connect(ell);
+  const auto q = measure(ell);
+  EXPECT_NEAR(q.volume_sum, 0.75, 1e-14);
+  // The kernel of the corner's cell is a square of a quarter of a grid cell.
+  EXPECT_NEAR(q.cell_aspect.max, std::sqrt(2.0) * 2, 1e-6);
+}
+
+TEST(Quality, AnyNumberOfThreadsGivesTheSameReport) {
+  const auto mesh = delaunay_mesh(perturbed_grid<3>(10, 1e-2));
+  const auto volumes = build_control_volumes(mesh);
+  QualityReport one, eight;
+  run_with_threads(1, [&] { one = measure_quality(mesh, volumes); });
+  run_with_threads(8, [&] { eight = measure_quality(mesh, volumes); });
+  const auto same = [](const QualityReport::Spread& a, const QualityReport::Spread& b) {
+    return a.min == b.min && a.mean == b.mean && a.p99 == b.p99 && a.max == b.max &&
+           a.histogram.bins == b.histogram.bins;
+  };
+  EXPECT_TRUE(same(one.radius_edge, eight.radius_edge));
+  EXPECT_TRUE(same(*one.dihedral_deg, *eight.dihedral_deg));
+  EXPECT_TRUE(same(one.angle_deg, eight.angle_deg));
+  EXPECT_TRUE(same(one.cell_aspect, eight.cell_aspect));
+  EXPECT_EQ(one.domain_volume, eight.domain_volume);
+  EXPECT_EQ(one.volume_sum, eight.volume_sum);
+}
+
+TEST(CellBalls, TheEnclosingBallIsSmallest) {
+  Random random(1);
+  for (int round = 0; round < 50; ++round) {
+    std::vector<Vec<3>> points;
+    for (int k = 0; k < 24; ++k) points.push_back({random.unit(), 2 * random.unit(), random.unit()});
+    const Ball<3> ball = smallest_enclosing_ball<3>(points);
+    // Optimal if and only if the center is in the convex hull of the points on the sphere: no direction leads away from
+    // all of them.
+    std::vector<HalfSpace<3>> towards;
+    for (const Vec<3>& p : points) {
+      EXPECT_LE(distance(p, ball.center), ball.radius * (1 + 1e-8));
+      if (distance(p, ball.center) > ball.radius * (1 - 1e-6)) {
+        towards.push_back({(p - ball.center) / ball.radius, 1.0});
+      }
+    }
+    for (int probe = 0; probe < 200; ++probe) {
+      const Vec<3> direction = {random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5};
+      double best = -1;
+      for (const auto& t : towards) best = std::max(best, -dot(t.normal, direction));
+      EXPECT_GT(best, -1e-6);
+    }
+  }
+}
+
+TEST(CellBalls, TheInscribedBallOfABox) {
+  // Doubled and redundant constraints do no harm.
+  std::vector<HalfSpace<3>> box;
+  for (const double slack : {0.0, 0.0, 1.0}) {
+    for (int k = 0; k < 3; ++k) {
+      Vec<3> n;
+      n[k] = 1;
+      box.push_back({n, 1.0 + k + slack});
+      box.push_back({-n, 2.0 + slack});
+    }
+  }
+  const Ball<3> ball = largest_inscribed_ball<3>(box, 10);
+  EXPECT_NEAR(ball.radius, 1.5, 1e-8);
+  EXPECT_NEAR(ball.center[0], -0.5, 1e-8);
+}
+
+}  // namespace
+}  // namespace voropack
