@@ -114,9 +114,9 @@ struct CgalDelaunay<K>::Impl {
   void insert_first(const std::vector<typename C::Point>& points, const std::vector<std::size_t>& order) {
     typename C::Cell_handle hint{};
     for (const std::size_t i : order) {
+      const auto n_before = triangulation.number_of_vertices();
       auto v = triangulation.insert(points[i], hint);
-      if (v->info() != 0) report_duplicate(static_cast<Index>(i));
-      v->info() = static_cast<Index>(i + 1);  // Shifted by one while duplicates are looked for: a new vertex has 0.
+      if (triangulation.number_of_vertices() == n_before) report_duplicate(static_cast<Index>(i));
       vertices[i] = v;
       hint = C::any(v);
     }
