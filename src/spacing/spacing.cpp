@@ -49,11 +49,12 @@ std::optional<double> Spacing<D>::constant_on(const Box<D>& box) const {
   // Least on the box, by the distance from the ball to the box.
   const double b = f.options.gradation;
   const double radius = 0.5 * box.diagonal();
-  const double caps = f.cap_tree.minimize(box.center(), b, *base + b * radius, [&](std::uint32_t i) {
+  const double bound = *base + b * radius;
+  const double caps = f.cap_tree.minimize(box.center(), b, bound, [&](std::uint32_t i) {
     const SpacingCap<D>& cap = f.caps[i];
     return cap.value + b * std::max(0.0, distance(box.center(), cap.center) - cap.radius);
   });
-  return caps - b * radius < *base ? std::nullopt : base;
+  return caps < bound ? std::nullopt : base;
 }
 
 template <int D>

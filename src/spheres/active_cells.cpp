@@ -142,7 +142,13 @@ void ActiveCells<K>::subdivide(const Cell& cell, const Obstacles& parent, Harves
   Cell here = cell;
   locate(here, box);
   if (!here.mixed && here.region < 0) return;
-  const std::optional<double> constant = problem_.spacing.constant_on(box);
+  // What a cell has outside the bounds is outside every region.
+  Box<K> clipped = box;
+  for (int k = 0; k < K; ++k) {
+    clipped.lo[k] = std::clamp(box.lo[k], problem_.bounds.lo[k], problem_.bounds.hi[k]);
+    clipped.hi[k] = std::clamp(box.hi[k], problem_.bounds.lo[k], problem_.bounds.hi[k]);
+  }
+  const std::optional<double> constant = problem_.spacing.constant_on(clipped);
   const double f_lo = constant ? *constant : f - b * r, f_hi = constant ? *constant : f + b * r;
   const Obstacles obstacles = near(parent, box, f_hi);
   if (is_covered(obstacles, m, r, f)) return;
