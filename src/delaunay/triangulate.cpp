@@ -64,30 +64,6 @@ std::vector<std::uint32_t> vertex_order(const Packing<D>& packing) {
   return order;
 }
 
-/// Simplices by their smallest vertex, then by the rest: along the same curve. Position in the mesh by simplex.
-template <int D>
-std::vector<std::uint32_t> simplex_order(const std::vector<std::array<std::uint32_t, D + 1>>& simplices,
-                                         std::size_t n_vertices) {
-  std::vector<std::uint32_t> first(n_vertices + 1, 0);
-  const auto smallest = [&](std::uint32_t s) { return *std::min_element(simplices[s].begin(), simplices[s].end()); };
-  for (std::uint32_t s = 0; s < simplices.size(); ++s) ++first[smallest(s) + 1];
-  for (std::size_t v = 0; v < n_vertices; ++v) first[v + 1] += first[v];
-  std::vector<std::uint32_t> sorted(simplices.size()), next(first.begin(), first.end() - 1);
-  for (std::uint32_t s = 0; s < simplices.size(); ++s) sorted[next[smallest(s)]++] = s;
-  const auto sorted_corners = [&](std::uint32_t s) {
-    auto corners = simplices[s];
-    std::sort(corners.begin(), corners.end());
-    return corners;
-  };
-  parallel_for(n_vertices, [&](std::size_t v) {
-    std::sort(sorted.begin() + first[v], sorted.begin() + first[v + 1],
-              [&](std::uint32_t a, std::uint32_t b) { return sorted_corners(a) < sorted_corners(b); });
-  });
-  std::vector<std::uint32_t> order(simplices.size());
-  for (std::uint32_t i = 0; i < sorted.size(); ++i) order[sorted[i]] = i;
-  return order;
-}
-
 /// Rotates the corners so that the smallest comes first, keeping orientation: the same mesh gets the same bytes
 /// whatever made it.
 template <int D>
@@ -105,6 +81,25 @@ void canonicalize(std::array<std::uint32_t, D + 1>& corners, std::array<std::uin
   if (!odd) return;
   std::swap(corners[D - 1], corners[D]);
   std::swap(neighbors[D - 1], neighbors[D]);
+}
+
+/// Simplices by their corners, the smallest first: along the same curve. Position in the mesh by simplex. The corners
+/// are canonical.
+template <int D>
+std::vector<std::uint32_t> simplex_order(const std::vector<std::array<std::uint32_t, D + 1>>& simplices,
+                                         std::size_t n_vertices) {
+  std::vector<std::uint32_t> first(n_vertices + 1, 0);
+  for (const auto& corners : simplices) ++first[corners[0] + 1];
+  for (std::size_t v = 0; v < n_vertices; ++v) first[v + 1] += first[v];
+  std::vector<std::uint32_t> sorted(simplices.size()), next(first.begin(), first.end() - 1);
+  for (std::uint32_t s = 0; s < simplices.size(); ++s) sorted[next[simplices[s][0]]++] = s;
+  std::vector<std::uint32_t> order(simplices.size());
+  parallel_for(n_vertices, [&](std::size_t v) {
+    std::sort(sorted.begin() + first[v], sorted.begin() + first[v + 1],
+              [&](std::uint32_t a, std::uint32_t b) { return simplices[a] < simplices[b]; });
+    for (std::uint32_t i = first[v]; i < first[v + 1]; ++i) order[sorted[i]] = i;
+  });
+  return order;
 }
 
 template <int D>
@@ -141,15 +136,16 @@ void add_vertices(const Domain<D>& domain, const Packing<D>& packing, const std:
 template <int D>
 void add_simplices(const Domain<D>& domain, Triangulation<D>&& t, const std::vector<std::uint32_t>& order,
                    Mesh<D>& mesh) {
-  for (auto& corners : t.simplices)
-    for (std::uint32_t& v : corners) v = order[v];
+  parallel_for(t.simplices.size(), [&](std::size_t s) {
+    for (std::uint32_t& v : t.simplices[s]) v = order[v];
+    canonicalize<D>(t.simplices[s], t.neighbors[s]);
+  });
   const std::vector<std::uint32_t> position = simplex_order<D>(t.simplices, order.size());
   const std::size_t n = t.simplices.size();
   mesh.simplex_vertices.resize(n);
   mesh.simplex_neighbors.resize(n);
   mesh.simplex_region.resize(n);
   parallel_for(n, [&](std::size_t s) {
-    canonicalize<D>(t.simplices[s], t.neighbors[s]);
     const SimplexId id(position[s]);
     for (std::size_t i = 0; i <= D; ++i) {
       const std::uint32_t neighbor = t.neighbors[s][i];

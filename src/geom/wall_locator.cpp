@@ -142,7 +142,7 @@ typename WallLocator<K>::Ray WallLocator<K>::hit(std::uint32_t wall, const Vec<K
       return std::abs(cross(direction, w)) < kBorderMargin * (norm(w) + norm(e)) ? Ray::kUnclear : Ray::kMiss;
     t = cross(w, e) / denominator;
     u = cross(w, direction) / denominator;
-    side = denominator > 0 ? 1 : 0;  // Moving to the left of e means coming from its right.
+    side = denominator > 0 ? 0 : 1;  // x - a = u e - t d, so cross(e, x - a) = t cross(d, e).
   } else {
     // Moeller and Trumbore: x + t d = a + u e1 + v e2
     const Vec<3> e1 = s[1] - s[0], e2 = s[2] - s[0], p = cross(direction, e2), w = x - s[0], q = cross(w, e1);

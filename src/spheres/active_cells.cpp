@@ -39,6 +39,13 @@ double largest_spacing(const PackingProblem<K>& problem) {
   return largest > 0 ? largest : problem.spacing.at(problem.bounds.center());
 }
 
+/// The point of the box nearest to x.
+template <int K>
+Vec<K> clamped(Vec<K> x, const Box<K>& box) {
+  for (int k = 0; k < K; ++k) x[k] = std::clamp(x[k], box.lo[k], box.hi[k]);
+  return x;
+}
+
 }  // namespace
 
 template <int K>
@@ -50,7 +57,9 @@ ActiveCells<K>::ActiveCells(const PackingProblem<K>& problem, bool lattice, cons
       balls_(problem.bounds.center()) {
   for (int k = 0; k < K; ++k) side_ = std::max(side_, problem.bounds.hi[k] - problem.bounds.lo[k]);
   if constexpr (K > 1) {
-    side_ *= 1 + 1e-6;
+    // Halved again and again, the root's side becomes the widest that a leaf may have where f is largest.
+    const double leaf = 2 * largest_spacing(problem) / std::sqrt(static_cast<double>(K)) * (1 - 1e-9);
+    side_ = std::ldexp(leaf, std::max(0, static_cast<int>(std::ceil(std::log2(side_ * (1 + 1e-6) / leaf)))));
     origin_ = problem.bounds.center();
     for (int k = 0; k < K; ++k) origin_[k] -= side_ / 2;
     if (lattice) lattice_.emplace(problem.bounds.center(), largest_spacing(problem), problem.seed);
@@ -72,6 +81,11 @@ ActiveCells<K>::ActiveCells(const PackingProblem<K>& problem, bool lattice, cons
 template <int K>
 double ActiveCells<K>::side(int level) const {
   return std::ldexp(side_, -level);
+}
+
+template <int K>
+double ActiveCells<K>::spacing_near(const Vec<K>& x) const {
+  return problem_.spacing.at(clamped(x, problem_.bounds));
 }
 
 template <int K>
@@ -138,16 +152,13 @@ template <int K>
 void ActiveCells<K>::subdivide(const Cell& cell, const Obstacles& parent, Harvest& out) const {
   const Box<K> box = box_of(cell);
   const Vec<K> m = box.center();
-  const double r = 0.5 * box.diagonal(), f = problem_.spacing.at(m), b = problem_.spacing.lipschitz;
+  const double r = 0.5 * box.diagonal(), f = spacing_near(m), b = problem_.spacing.lipschitz;
+  if (!box.overlaps(problem_.bounds)) return;
   Cell here = cell;
   locate(here, box);
   if (!here.mixed && here.region < 0) return;
   // What a cell has outside the bounds is outside every region.
-  Box<K> clipped = box;
-  for (int k = 0; k < K; ++k) {
-    clipped.lo[k] = std::clamp(box.lo[k], problem_.bounds.lo[k], problem_.bounds.hi[k]);
-    clipped.hi[k] = std::clamp(box.hi[k], problem_.bounds.lo[k], problem_.bounds.hi[k]);
-  }
+  const Box<K> clipped(clamped(box.lo, problem_.bounds), clamped(box.hi, problem_.bounds));
   const std::optional<double> constant = problem_.spacing.constant_on(clipped);
   const double f_lo = constant ? *constant : f - b * r, f_hi = constant ? *constant : f + b * r;
   const Obstacles obstacles = near(parent, box, f_hi);
@@ -254,6 +265,7 @@ void ActiveCells<K>::try_in_cells(std::uint64_t round, Position&& position) {
           std::uint64_t hash = hash_words(problem_.seed, round, cell.level);
           for (const std::int32_t k : cell.index) hash = mix64(hash ^ static_cast<std::uint32_t>(k));
           const Vec<K> x = position(cell, box, hash);
+          if (!problem_.bounds.contains(x)) continue;
           const double f = problem_.spacing.at(x);
           if (!problem_.admits(spheres_, balls_, x, f)) continue;
           const int region = region_at(cell, x);
@@ -286,7 +298,7 @@ template <int K>
 bool ActiveCells<K>::is_covered(const Cell& cell) const {
   const Box<K> box = box_of(cell);
   const Vec<K> m = box.center();
-  const double r = 0.5 * box.diagonal(), f = problem_.spacing.at(m), b = problem_.spacing.lipschitz;
+  const double r = 0.5 * box.diagonal(), f = spacing_near(m), b = problem_.spacing.lipschitz;
   if (spheres_.covers(m, r, f, b) || balls_.covers(m, r)) return true;
   return problem_.breaks_far_rule(m, 2 * (f - b * r) - r);  // Then every point of the cell is nearer than 2 f.
 }
@@ -311,8 +323,9 @@ void ActiveCells<K>::split() {
         observer_.check_cancelled();
         for (std::size_t i = block * kBlock; i < std::min(cells_.size(), (block + 1) * kBlock); ++i) {
           for (Cell child : children(cells_[i])) {
-            if (is_covered(child)) continue;
-            locate(child, box_of(child));
+            const Box<K> box = box_of(child);
+            if (!box.overlaps(problem_.bounds) || is_covered(child)) continue;
+            locate(child, box);
             if (child.mixed || child.region >= 0) parts[block].push_back(child);
           }
         }
@@ -330,7 +343,7 @@ double ActiveCells<K>::openness() const {
         double worst = 0;
         for (std::size_t i = begin; i < end; ++i) {
           const Box<K> box = box_of(cells_[i]);
-          worst = std::max(worst, 0.5 * box.diagonal() / problem_.spacing.at(box.center()));
+          worst = std::max(worst, 0.5 * box.diagonal() / spacing_near(box.center()));
         }
         return worst * (1 + problem_.spacing.lipschitz);
       },

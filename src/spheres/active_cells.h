@@ -76,6 +76,8 @@ class ActiveCells {
 
   [[nodiscard]] Box<K> box_of(const Cell& cell) const;
   [[nodiscard]] double side(int level) const;
+  /// f at the point of the bounds nearest to x: cells stick out of the bounds.
+  [[nodiscard]] double spacing_near(const Vec<K>& x) const;
   [[nodiscard]] Obstacles near(const Obstacles& from, const Box<K>& box, double f_max) const;
   [[nodiscard]] std::vector<Cell> children(const Cell& cell) const;
   void locate(Cell& cell, const Box<K>& box) const;

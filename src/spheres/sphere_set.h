@@ -36,6 +36,7 @@ class SphereSet {
     const auto id = static_cast<std::uint32_t>(spheres_.size());
     spheres_.push_back(sphere);
     Level& level = level_of(sphere.radius);
+    level.smallest = std::min(level.smallest, sphere.radius);
     level.largest = std::max(level.largest, sphere.radius);
     std::uint32_t& head = level.grid.head(level.grid.index(sphere.center));
     next_.push_back(head);
@@ -45,12 +46,11 @@ class SphereSet {
   /// Calls visit(id) for every sphere that an f-sphere (x, radius) could conflict with, until visit returns true.
   template <class Visit>
   bool visit_near(const Vec<K>& x, double radius, Visit&& visit) const {
-    for (const auto& [exponent, level] : levels_) {
-      const double largest = std::min(level.largest, radius * ratio_);
-      if (std::ldexp(unit_, exponent + 1) < radius / ratio_) continue;
-      if (std::ldexp(unit_, exponent) > radius * ratio_) break;
+    const double least = radius / ratio_, most = radius * ratio_;
+    for (const Level& level : levels_) {
+      if (level.largest < least || level.smallest > most) continue;
       Box<K> box(x, x);
-      box.inflate(radius + largest);
+      box.inflate(radius + std::min(level.largest, most));
       const bool stopped = level.grid.visit(box, [&](std::uint32_t id) {
         for (; id != BlockGrid<K>::kEnd; id = next_[id])
           if (visit(id)) return true;
@@ -82,23 +82,25 @@ class SphereSet {
   }
 
  private:
+  /// The spheres with floor(log2(radius / unit)) == exponent.
   struct Level {
+    int exponent;
     BlockGrid<K> grid;
-    double largest = 0;
+    double smallest, largest;
   };
   Level& level_of(double radius) {
     const int exponent = static_cast<int>(std::floor(std::log2(radius / unit_)));
-    auto it = levels_.find(exponent);
-    if (it == levels_.end())
-      it = levels_.emplace(exponent, Level{BlockGrid<K>(origin_, 2 * std::ldexp(unit_, exponent)), 0}).first;
-    return it->second;
+    for (Level& level : levels_)
+      if (level.exponent == exponent) return level;
+    levels_.push_back({exponent, BlockGrid<K>(origin_, 2 * std::ldexp(unit_, exponent)), radius, radius});
+    return levels_.back();
   }
 
   Vec<K> origin_;
   double ratio_, unit_;
   std::vector<Ball<K>> spheres_;
   std::vector<std::uint32_t> next_;
-  std::map<int, Level> levels_;  ///< By floor(log2(radius / unit)).
+  std::vector<Level> levels_;
 };
 
 /// Balls that no new center may enter.
