@@ -93,9 +93,13 @@ class Spacing {
 ///
 /// With b >= a the geometric part is a * lfs itself. With b < a it is the largest minimum over disjoint pairs (P, Q) of
 /// b * max(d(x,P), d(x,Q)) + (a - b) * d(P,Q) / 2, which is b-Lipschitz and at most a * lfs (docs/theory/spacing.md).
-/// Throws: OptionError spacing.bad_size, spacing.unknown_region, spacing.unknown_marker, spacing.expression (with the
-/// column),
-///         spacing.bad_gradation, spacing.bad_feature_factor, spacing.unbounded if nothing bounds f.
+/// A constant, feature_factor times the diameter, bounds f everywhere; it never binds in the domain's box if there is a
+/// disjoint pair. Marker 0 is taken as a name of walls only, since on other polytopes it means that none was given.
+///
+/// Throws: OptionError spacing.bad_size, spacing.unknown_region, spacing.unknown_marker, spacing.bad_gradation,
+///         spacing.bad_feature_factor, spacing.expression (with the column, or the place where it is not positive),
+///         spacing.unbounded if the domain has no extent.
+///         Cancelled if the observer asks to stop.
 template <int D>
 Spacing<D> build_spacing(const Domain<D>& domain, const SizeWishes<D>& wishes, const SpacingOptions& options = {},
                          Observer& observer = silent_observer());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace voropack {
 
@@ -19,6 +20,30 @@ double clamped_parameter(const Vec<D>& x, const Vec<D>& a, const Vec<D>& b) {
 template <int D>
 double distance_to_boundary(const Vec<D>& x, const Vec<D>& a, const Vec<D>& b, const Vec<D>& c) {
   return std::min({distance_to_segment(x, a, b), distance_to_segment(x, b, c), distance_to_segment(x, c, a)});
+}
+
+/// The distance between the lines ab and cd if their common perpendicular meets both segments inside, else infinity.
+/// In the plane: 0 if they cross.
+template <int D>
+double distance_inside(const Vec<D>& a, const Vec<D>& b, const Vec<D>& c, const Vec<D>& d) {
+  constexpr double kNowhere = std::numeric_limits<double>::infinity();
+  const Vec<D> u = b - a;
+  const Vec<D> v = d - c;
+  const Vec<D> w = c - a;
+  if constexpr (D == 2) {
+    const double den = cross(u, v);
+    if (den == 0) return kNowhere;
+    const double s = cross(w, v) / den;
+    const double t = cross(w, u) / den;
+    return s > 0 && s < 1 && t > 0 && t < 1 ? 0.0 : kNowhere;
+  } else {
+    const Vec<3> n = cross(u, v);
+    const double n_sq = norm_sq(n);
+    const double s = dot(cross(w, v), n);
+    if (!(s > 0 && s < n_sq)) return kNowhere;
+    const double t = dot(cross(w, u), n);
+    return t > 0 && t < n_sq ? std::abs(dot(w, n)) / std::sqrt(n_sq) : kNowhere;
+  }
 }
 
 }  // namespace
@@ -53,27 +78,9 @@ double distance_to_triangle(const Vec<D>& x, const Vec<D>& a, const Vec<D>& b, c
 
 template <int D>
 double segment_distance(const Vec<D>& a, const Vec<D>& b, const Vec<D>& c, const Vec<D>& d) {
-  double best = std::min({distance_to_segment(a, c, d), distance_to_segment(b, c, d), distance_to_segment(c, a, b),
-                          distance_to_segment(d, a, b)});
-  // An end of one is nearest unless the common perpendicular meets both inside.
-  const Vec<D> u = b - a;
-  const Vec<D> v = d - c;
-  const Vec<D> w = c - a;
-  if constexpr (D == 2) {
-    const double den = cross(u, v);
-    if (den == 0) return best;
-    const double s = cross(w, v) / den;
-    const double t = cross(w, u) / den;
-    return s >= 0 && s <= 1 && t >= 0 && t <= 1 ? 0.0 : best;
-  } else {
-    const Vec<3> n = cross(u, v);
-    const double n_sq = norm_sq(n);
-    if (n_sq == 0) return best;
-    const double s = dot(cross(w, v), n) / n_sq;
-    const double t = dot(cross(w, u), n) / n_sq;
-    if (s > 0 && s < 1 && t > 0 && t < 1) best = std::min(best, std::abs(dot(w, n)) / std::sqrt(n_sq));
-    return best;
-  }
+  const double ends = std::min({distance_to_segment(a, c, d), distance_to_segment(b, c, d),
+                                distance_to_segment(c, a, b), distance_to_segment(d, a, b)});
+  return std::min(ends, distance_inside(a, b, c, d));
 }
 
 template <int D>
@@ -95,7 +102,7 @@ double distance_between_disjoint(const SmallSimplex<D>& s, const SmallSimplex<D>
   double best = distance_to_simplex(s.corner[0], t);
   for (std::size_t i = 1; i < n_s; ++i) best = std::min(best, distance_to_simplex(s.corner[i], t));
   for (std::size_t j = 0; j < n_t; ++j) best = std::min(best, distance_to_simplex(t.corner[j], s));
-  if (n_s == 1 || n_t == 1) return best;
+  if (D == 2 || n_s == 1 || n_t == 1) return best;  // In the plane an end or corner is nearest.
   const std::size_t edges_s = n_s == 2 ? 1 : 3;
   const std::size_t edges_t = n_t == 2 ? 1 : 3;
   for (std::size_t i = 0; i < edges_s; ++i)

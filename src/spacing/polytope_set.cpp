@@ -193,12 +193,18 @@ double PolytopeSet<D>::distance_between(std::uint32_t p, std::uint32_t q) const 
 }
 
 template <int D>
-double PolytopeSet<D>::smallest_pair_value(const Vec<D>& x, PairWeights weights, double bound) const {
+double PolytopeSet<D>::smallest_pair_value(const Vec<D>& x, PairWeights weights, double bound,
+                                           std::size_t max_met) const {
   if (tree_.empty()) return bound;
   double best = bound;
   std::vector<Waiting> heap;
   heap.reserve(64);
-  std::vector<std::uint32_t> near;  // The polytopes met so far, nearest first.
+  struct Met {
+    Box<D> box;
+    std::uint32_t polytope;
+  };
+  std::vector<Met> near;  // The polytopes met so far, nearest first.
+  near.reserve(64);
   const auto push = [&](double distance, std::uint32_t number, bool is_item) {
     if (!(weights.slope * distance < best)) return;
     heap.push_back({distance, number, is_item});
@@ -222,17 +228,19 @@ double PolytopeSet<D>::smallest_pair_value(const Vec<D>& x, PairWeights weights,
       continue;
     }
     const std::uint32_t p = item_owner_[next.number];
-    if (std::find(near.begin(), near.end(), p) != near.end()) continue;
-    for (std::uint32_t q : near) {
-      if (weights.gap > 0 && !(reach + weights.gap * box_distance(polytope_box_[p], polytope_box_[q]) < best)) continue;
+    if (std::any_of(near.begin(), near.end(), [p](const Met& met) { return met.polytope == p; })) continue;
+    const Box<D>& box = polytope_box_[p];
+    for (const Met& met : near) {
+      const std::uint32_t q = met.polytope;
       if (weights.gap == 0) {
         if (disjoint(p, q)) return reach;  // Nearest first: no later pair is smaller.
         continue;
       }
-      if (!is_maximal_pair(p, q)) continue;
+      if (!(reach + weights.gap * box_distance(box, met.box) < best) || !is_maximal_pair(p, q)) continue;
       best = std::min(best, reach + weights.gap * distance_between(p, q));
     }
-    near.push_back(p);
+    near.push_back({box, p});
+    if (near.size() >= max_met && best < bound) break;
   }
   return best;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -58,8 +59,10 @@ class PolytopeSet {
   [[nodiscard]] double distance_between(std::uint32_t p, std::uint32_t q) const;
   [[nodiscard]] const Box<D>& box(std::uint32_t p) const { return polytope_box_[p]; }
 
-  /// The least of `bound` and the pairs' contributions at x. Exact, by nearest-first search.
-  [[nodiscard]] double smallest_pair_value(const Vec<D>& x, PairWeights weights, double bound) const;
+  /// The least of `bound` and the pairs' contributions at x, by nearest-first search. Exact unless more than `max_met`
+  /// polytopes would have to be looked at and some of them gave less than `bound`: then that upper bound.
+  [[nodiscard]] double smallest_pair_value(const Vec<D>& x, PairWeights weights, double bound,
+                                           std::size_t max_met = std::numeric_limits<std::size_t>::max()) const;
 
  private:
   void add_polytope(const SmallSimplex<D>& simplex);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "spacing/integral.h"
 #include "spacing/spacing_sources.h"
 #include "spacing/spacing_tree.h"
 #include "spacing/wishes.h"
@@ -16,6 +17,10 @@ struct Spacing<D>::Impl {
   std::shared_ptr<const SpacingTree<D>> tree;
   std::vector<SpacingCap<D>> caps;
   BoxTree<D> cap_tree;  // Over the caps' balls.
+
+  [[nodiscard]] double cap_at(std::uint32_t i, const Vec<D>& x) const {
+    return caps[i].value + options.gradation * std::max(0.0, distance(x, caps[i].center) - caps[i].radius);
+  }
 };
 
 template <int D>
@@ -24,11 +29,7 @@ double Spacing<D>::operator()(const Vec<D>& x) const {
   const double base =
       f.tree->box().contains(x) ? (*f.tree)(x) : f.sources->search(x, std::numeric_limits<double>::infinity());
   if (f.caps.empty()) return base;
-  const double b = f.options.gradation;
-  return f.cap_tree.minimize(x, b, base, [&](std::uint32_t i) {
-    const SpacingCap<D>& cap = f.caps[i];
-    return cap.value + b * std::max(0.0, distance(x, cap.center) - cap.radius);
-  });
+  return f.cap_tree.minimize(x, f.options.gradation, base, [&](std::uint32_t i) { return f.cap_at(i, x); });
 }
 
 template <int D>
@@ -46,14 +47,11 @@ std::optional<double> Spacing<D>::constant_on(const Box<D>& box) const {
   const Impl& f = *impl_;
   const std::optional<double> base = f.tree->constant_on(box);
   if (!base) return std::nullopt;
-  // Least on the box, by the distance from the ball to the box.
+  // A cap can be less than the base somewhere in the box only if it is less than `bound` at the center.
   const double b = f.options.gradation;
-  const double radius = 0.5 * box.diagonal();
-  const double bound = *base + b * radius;
-  const double caps = f.cap_tree.minimize(box.center(), b, bound, [&](std::uint32_t i) {
-    const SpacingCap<D>& cap = f.caps[i];
-    return cap.value + b * std::max(0.0, distance(box.center(), cap.center) - cap.radius);
-  });
+  const double bound = *base + b * 0.5 * box.diagonal();
+  const double caps =
+      f.cap_tree.minimize(box.center(), b, bound, [&](std::uint32_t i) { return f.cap_at(i, box.center()); });
   return caps < bound ? std::nullopt : base;
 }
 
@@ -75,9 +73,7 @@ Spacing<D> Spacing<D>::with_caps(const std::vector<SpacingCap<D>>& caps) const {
 
 template <int D>
 double Spacing<D>::integral(const Domain<D>& domain) const {
-  double measure = 0;
-  for (double m : domain.region_measure) measure += m;
-  return measure / std::pow((*this)(domain.box.center()), D);
+  return integrate_density(domain, impl_->sources->locator, *this);
 }
 
 template <int D>

@@ -22,20 +22,22 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Chosen by measuring build time, memory and evaluation time on the domains of bench/micro/spacing.
 /// Pairs are formed when at most this many polytopes are left in a cell.
-constexpr std::size_t kMaxPolytopes = 96;
+constexpr std::size_t kMaxPolytopes = 160;
+/// The bound of f at a cell's center rests on at most this many polytopes, the nearest ones.
+constexpr std::size_t kMaxMet = 24;
 /// A cell with no more sources than this is not split for their number.
-constexpr std::size_t kFewSources = 24;
+constexpr std::size_t kFewSources = 32;
 /// Lists of size atoms longer than this are searched by tree.
 constexpr std::size_t kMaxAtoms = 256;
 /// A cell with too many sources is split while its side exceeds this multiple of f.
-constexpr double kSmallestSide = 0.5;
+constexpr double kSmallestSide = 1.0;
 /// A cell where a constant is smallest in one part and something else in another is split down to this multiple of f,
 /// so that the part where f is constant becomes known to `constant_on`.
 constexpr double kMixedSide = 8.0;
 /// No more cells than this, plus a few for each item.
-constexpr std::size_t kBaseCells = 20'000;
-constexpr std::size_t kCellsPerItem = 6;
-constexpr std::size_t kMostCells = 2'000'000;
+constexpr std::size_t kBaseCells = 10'000;
+constexpr std::size_t kCellsPerItem = 2;
+constexpr std::size_t kMostCells = 1'000'000;
 
 /// Outlines exist in 3D only.
 template <int D>
@@ -73,7 +75,7 @@ struct SpacingTree<D>::Builder {
     std::shared_ptr<Lists> lists;
     Box<D> box;
     double value = 0;
-    bool wants_split = false;
+    bool is_split = false;
     std::vector<char> is_plane;  // [number of polytopes in `lists->items`]
   };
   using Outlines = std::conditional_t<D == 3, FacetOutlines, NoOutlines<D>>;
@@ -121,10 +123,17 @@ struct SpacingTree<D>::Builder {
       observer.check_cancelled();
       parallel_for(
           level.size(), [&](std::size_t i) { examine(level[i], depth); }, 1);
+      std::size_t n_cells = tree.nodes_.size();
+      for (Cell& cell : level) {
+        cell.is_split = cell.is_split && n_cells + (1U << D) <= max_cells;
+        if (cell.is_split) n_cells += 1U << D;
+      }
+      if constexpr (D == 3)
+        parallel_for(
+            level.size(), [&](std::size_t i) { find_planes(level[i]); }, 1);
       std::vector<Cell> next;
       for (Cell& cell : level) {
-        const bool split = cell.wants_split && depth < kLevels && tree.nodes_.size() + (1U << D) <= max_cells;
-        if (split)
+        if (cell.is_split)
           add_children(cell, depth, next);
         else
           add_leaf(cell);
@@ -168,10 +177,9 @@ struct SpacingTree<D>::Builder {
       const double b = sources.sizes.slope();
       std::erase_if(lists->atoms, [&](const WorkAtom& a) { return a.at_center - b * h > limit; });
     }
-    cell.wants_split = wants_split(*lists, m, h, cell, limit, depth);
+    cell.is_split = wants_split(*lists, m, h, cell, limit, depth);
     cell.lists = std::move(lists);
     cell.parent.reset();
-    find_planes(cell);
   }
 
   /// Evaluates the parent's atoms and region values at m and keeps those that can be smallest in the cell. Returns an
@@ -214,7 +222,7 @@ struct SpacingTree<D>::Builder {
       for (const WorkPair& pair : parent.pairs)
         least = std::min(least, slope * std::max(lookup(owner, pair.p), lookup(owner, pair.q)) + pair.offset);
     } else {
-      least = polytopes.smallest_pair_value(m, sources.weights, value);
+      least = polytopes.smallest_pair_value(m, sources.weights, value, kMaxMet);
     }
     value = std::min(value, least);
     return std::min(limit, least + slope * h);
@@ -304,13 +312,6 @@ struct SpacingTree<D>::Builder {
     drop_unpaired_items(lists);
   }
 
-  [[nodiscard]] std::size_t count_polytopes(const Lists& lists) const {
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < lists.items.size(); ++i)
-      if (i == 0 || polytopes.item_owner(lists.items[i]) != polytopes.item_owner(lists.items[i - 1])) ++n;
-    return n;
-  }
-
   [[nodiscard]] bool wants_split(const Lists& lists, const Vec<D>& m, double h, const Cell& cell, double limit,
                                  int depth) const {
     double side = 0;
@@ -321,8 +322,7 @@ struct SpacingTree<D>::Builder {
     if (is_mixed && side > kMixedSide * cell.value) return true;
     if (!(side > kSmallestSide * cell.value)) return false;
     if (!lists.is_paired) return !is_hopeless(lists, m, h, cell.value);
-    const std::size_t n_sources =
-        std::max(lists.items.size(), count_polytopes(lists)) + lists.atoms.size() + lists.regions.size();
+    const std::size_t n_sources = lists.items.size() + lists.atoms.size() + lists.regions.size();
     return n_sources > kFewSources;
   }
 
@@ -339,17 +339,22 @@ struct SpacingTree<D>::Builder {
 
   /// Marks the facets whose plane decides.
   void find_planes(Cell& cell) const {
-    if (cell.wants_split || !cell.lists->is_paired) return;
-    std::uint32_t last = 0;
-    bool is_first = true;
-    for (std::uint32_t i : cell.lists->items) {
-      const std::uint32_t p = polytopes.item_owner(i);
-      if (!is_first && p == last) continue;
-      is_first = false;
-      last = p;
-      bool plane = false;
-      if constexpr (D == 3) plane = polytopes.is_facet(p) && outlines.projects_inside(cell.box, polytopes.facet(p));
-      cell.is_plane.push_back(plane ? 1 : 0);
+    if (cell.is_split || !cell.lists->is_paired) return;
+    if constexpr (D == 3) {
+      for_each_polytope(cell.lists->items, [&](std::uint32_t p, std::span<const std::uint32_t>) {
+        const bool plane = polytopes.is_facet(p) && outlines.projects_inside(cell.box, polytopes.facet(p));
+        cell.is_plane.push_back(plane ? 1 : 0);
+      });
+    }
+  }
+
+  /// visit(polytope, its items in the list) for each polytope that has some.
+  template <class Visit>
+  void for_each_polytope(const std::vector<std::uint32_t>& items, Visit&& visit) const {
+    for (std::size_t begin = 0, end = 0; begin < items.size(); begin = end) {
+      const std::uint32_t p = polytopes.item_owner(items[begin]);
+      while (end < items.size() && polytopes.item_owner(items[end]) == p) ++end;
+      visit(p, std::span<const std::uint32_t>(items).subspan(begin, end - begin));
     }
   }
 
@@ -388,23 +393,18 @@ struct SpacingTree<D>::Builder {
   void add_pairs(const Cell& cell, Leaf& leaf) {
     const Lists& lists = *cell.lists;
     std::vector<std::uint32_t> owners;  // In the order of their entries in nears_.
-    for (std::uint32_t i : lists.items) {
-      const std::uint32_t p = polytopes.item_owner(i);
-      if (owners.empty() || owners.back() != p) {
-        if constexpr (D == 3) {
-          if (cell.is_plane[owners.size()] != 0)
-            tree.nears_.push_back({polytopes.facet(p).value(), 0});
-          else
-            tree.nears_.push_back({static_cast<std::uint32_t>(tree.near_items_.size()), 0});
-        } else {
-          tree.nears_.push_back({static_cast<std::uint32_t>(tree.near_items_.size()), 0});
-        }
-        owners.push_back(p);
+    for_each_polytope(lists.items, [&](std::uint32_t p, std::span<const std::uint32_t> items) {
+      bool is_plane = false;
+      if constexpr (D == 3) is_plane = cell.is_plane[owners.size()] != 0;
+      owners.push_back(p);
+      if (is_plane) {
+        if constexpr (D == 3) tree.nears_.push_back({polytopes.facet(p).value(), 0});
+      } else {
+        tree.nears_.push_back(
+            {static_cast<std::uint32_t>(tree.near_items_.size()), static_cast<std::uint32_t>(items.size())});
+        tree.near_items_.insert(tree.near_items_.end(), items.begin(), items.end());
       }
-      if (cell.is_plane[owners.size() - 1] != 0) continue;
-      tree.near_items_.push_back(i);
-      ++tree.nears_.back().n_items;
-    }
+    });
     const auto slot = [&](std::uint32_t p) {
       return static_cast<std::uint8_t>(std::lower_bound(owners.begin(), owners.end(), p) - owners.begin());
     };

@@ -1,1 +1,3 @@
+voropack_test(spacing_expression_test unit/spacing_expression_test.cpp)
 voropack_test(spacing_lfs_test property/spacing_lfs_test.cpp)
+voropack_test(spacing_wishes_test unit/spacing_wishes_test.cpp)

@@ -1,0 +1,143 @@
+#include "spacing/integral.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/parallel.h"
+#include "base/random.h"
+
+namespace voropack {
+
+namespace {
+
+/// The integral is wanted this accurately, as a standard deviation.
+constexpr double kAccuracy = 0.02;
+constexpr std::size_t kMaxCells = 20'000;
+/// Cells at the start, whatever the error, so that a small fine region is not overlooked.
+constexpr std::size_t kMinCells = 512;
+/// Samples along each axis of a cell.
+constexpr int kSamples = 3;
+/// Of the cells, those whose error is at least this part of the largest are cut in one round.
+constexpr double kCutFraction = 0.25;
+
+template <int D>
+struct DensityCell {
+  Box<D> box;
+  double integral = 0;  // Over the part of the cell in the domain.
+  double volume = 0;    // Of that part.
+  double error = 0;     // Standard deviation of `integral`, roughly.
+};
+
+template <int D>
+double volume_of(const Box<D>& box) {
+  double v = 1;
+  for (int k = 0; k < D; ++k) v *= box.hi[k] - box.lo[k];
+  return v;
+}
+
+template <int D>
+int sample_count() {
+  return D == 2 ? kSamples * kSamples : kSamples * kSamples * kSamples;
+}
+
+/// The i-th point of a jittered grid, a pure function of the cell.
+template <int D>
+Vec<D> sample_point(const Box<D>& box, int i, std::uint64_t key) {
+  Vec<D> x;
+  for (int k = 0, rest = i; k < D; ++k, rest /= kSamples) {
+    const double t = (rest % kSamples + to_unit(hash_words(key, i, k))) / kSamples;
+    x[k] = box.lo[k] + t * (box.hi[k] - box.lo[k]);
+  }
+  return x;
+}
+
+template <int D>
+void examine(DensityCell<D>& cell, std::uint64_t key, const RegionLocator<D>& locator, const Spacing<D>& f) {
+  const Vec<D> center = cell.box.center();
+  const double volume = volume_of(cell.box);
+  const bool is_mixed = locator.meets_any_wall(center, 0.5 * cell.box.diagonal());
+  if (!is_mixed && !locator.in_domain(center)) return;
+  const std::optional<double> constant = f.constant_on(cell.box);
+  if (!is_mixed && constant) {
+    cell.volume = volume;
+    cell.integral = volume / std::pow(*constant, D);
+    return;
+  }
+  const int n = sample_count<D>();
+  int n_inside = 0;
+  double sum = 0;
+  double sum_sq = 0;
+  for (int i = 0; i < n; ++i) {
+    const Vec<D> x = sample_point(cell.box, i, key);
+    if (is_mixed && !locator.in_domain(x)) continue;
+    const double density = 1 / std::pow(constant ? *constant : f(x), D);
+    ++n_inside;
+    sum += density;
+    sum_sq += density * density;
+  }
+  cell.volume = volume * n_inside / n;
+  cell.integral = volume * sum / n;
+  // A cell that meets a wall is taken to hold something even if no sample fell into the domain.
+  const double least_sq = is_mixed && n_inside == 0 ? 1 / std::pow(f(center), 2 * D) : 0.0;
+  const double variance = std::max(sum_sq / n - (sum / n) * (sum / n), least_sq / n);
+  cell.error = volume * std::sqrt(variance / n);
+}
+
+template <int D>
+std::array<Box<D>, 2> halves(const Box<D>& box) {
+  int axis = 0;
+  for (int k = 1; k < D; ++k)
+    if (box.hi[k] - box.lo[k] > box.hi[axis] - box.lo[axis]) axis = k;
+  std::array<Box<D>, 2> result = {box, box};
+  result[0].hi[axis] = result[1].lo[axis] = box.center()[axis];
+  return result;
+}
+
+}  // namespace
+
+template <int D>
+double integrate_density(const Domain<D>& domain, const RegionLocator<D>& locator, const Spacing<D>& f) {
+  double measure = 0;
+  for (double m : domain.region_measure) measure += m;
+  if (const auto constant = f.constant_on(domain.box)) return measure / std::pow(*constant, D);
+
+  std::vector<DensityCell<D>> cells(1);
+  cells[0].box = domain.box;
+  std::size_t n_old = 0;  // Cells from here on are new.
+  for (std::uint64_t round = 0;; ++round) {
+    parallel_for(
+        cells.size() - n_old, [&](std::size_t i) { examine(cells[n_old + i], hash_words(round, i), locator, f); }, 16);
+    double integral = 0;
+    double volume = 0;
+    double error_sq = 0;
+    double largest = 0;
+    for (const DensityCell<D>& cell : cells) {
+      integral += cell.integral;
+      volume += cell.volume;
+      error_sq += cell.error * cell.error;
+      largest = std::max(largest, cell.error);
+    }
+    const bool is_fine = cells.size() >= kMinCells && std::sqrt(error_sq) <= kAccuracy * integral;
+    if (largest == 0 || is_fine || cells.size() >= kMaxCells)
+      return volume > 0 ? integral * (measure / volume) : measure / std::pow(f(domain.box.center()), D);
+    const double threshold = cells.size() < kMinCells ? 0.0 : kCutFraction * largest;
+    std::vector<DensityCell<D>> kept;
+    std::vector<DensityCell<D>> cut;
+    for (const DensityCell<D>& cell : cells) {
+      if (!(cell.error > 0 && cell.error >= threshold)) {
+        kept.push_back(cell);
+        continue;
+      }
+      for (const Box<D>& half : halves(cell.box)) cut.push_back({half, 0, 0, 0});
+    }
+    n_old = kept.size();
+    kept.insert(kept.end(), cut.begin(), cut.end());
+    cells = std::move(kept);
+  }
+}
+
+template double integrate_density<2>(const Domain<2>&, const RegionLocator<2>&, const Spacing<2>&);
+template double integrate_density<3>(const Domain<3>&, const RegionLocator<3>&, const Spacing<3>&);
+
+}  // namespace voropack

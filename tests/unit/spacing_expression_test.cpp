@@ -1,0 +1,101 @@
+// Formulas: values, precedence, and errors with their place.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "base/expression.h"
+
+namespace voropack {
+namespace {
+
+const std::vector<std::string> kNames = {"x", "y"};
+
+double value(const std::string& text, double x = 0, double y = 0) {
+  const std::vector<double> at = {x, y};
+  return Expression(text, kNames)(at);
+}
+
+ExpressionFault fault(const std::string& text) {
+  try {
+    const Expression expression(text, kNames);
+  } catch (const ExpressionError& error) {
+    return error.fault();
+  }
+  ADD_FAILURE() << "accepted: " << text;
+  return {};
+}
+
+TEST(Expression, FollowsTheUsualPrecedence) {
+  EXPECT_EQ(value("1+2*3"), 7);
+  EXPECT_EQ(value("(1+2)*3"), 9);
+  EXPECT_EQ(value("2^3^2"), 512);
+  EXPECT_EQ(value("-2^2"), -4);
+  EXPECT_EQ(value("2^-1"), 0.5);
+  EXPECT_EQ(value("8/4/2"), 1);
+  EXPECT_EQ(value("5-3-1"), 1);
+  EXPECT_EQ(value("--3"), 3);
+  EXPECT_EQ(value("2*-x", 3), -6);
+  EXPECT_EQ(value("1 < 2 "), 1);
+  EXPECT_EQ(value("1+1 >= 3"), 0);
+  EXPECT_EQ(value(".5e1"), 5);
+}
+
+TEST(Expression, KnowsItsFunctionsAndConstants) {
+  EXPECT_DOUBLE_EQ(value("sqrt(x^2 + y^2)", 3, 4), 5);
+  EXPECT_DOUBLE_EQ(value("hypot(x, y)", 3, 4), 5);
+  EXPECT_DOUBLE_EQ(value("pow(x, y)", 3, 4), 81);
+  EXPECT_DOUBLE_EQ(value("abs(-x)", 3), 3);
+  EXPECT_DOUBLE_EQ(value("exp(log(x))", 3), 3);
+  EXPECT_DOUBLE_EQ(value("sin(pi/2) + cos(0) + tan(0)"), 2);
+  EXPECT_DOUBLE_EQ(value("log(e)"), 1);
+  EXPECT_DOUBLE_EQ(value("min(3, x, y)", 2, 1), 1);
+  EXPECT_DOUBLE_EQ(value("max(x)", 2), 2);
+  EXPECT_DOUBLE_EQ(value("if(x < y, 10, 20)", 1, 2), 10);
+  EXPECT_DOUBLE_EQ(value("if(x == y, 10, 20)", 1, 2), 20);
+}
+
+TEST(Expression, DeepFormulasNeedNoMoreThanTheirStack) {
+  std::string text = "x";
+  for (int i = 0; i < 100; ++i) text = "(1+" + text + ")";
+  EXPECT_EQ(value(text, 1), 101);
+}
+
+TEST(Expression, RefusesWithReasonAndColumn) {
+  EXPECT_EQ(fault("1 + ").column, 5U);
+  EXPECT_EQ(fault("1 + * 2").column, 5U);
+  EXPECT_EQ(fault("(1").column, 3U);
+  EXPECT_EQ(fault("1)").column, 2U);
+  EXPECT_EQ(fault("x**2").column, 3U);
+  EXPECT_EQ(fault("2 x").column, 3U);
+  EXPECT_EQ(fault("").column, 1U);
+  EXPECT_EQ(fault("x + sqrt").reason, "function 'sqrt' needs arguments in parentheses");
+  EXPECT_EQ(fault("pow(1)").reason, "'pow' takes 2 arguments, not 1");
+  EXPECT_EQ(fault("sqrt(1,2)").reason, "'sqrt' takes 1 argument, not 2");
+  EXPECT_EQ(fault("1e999").reason, "number out of range");
+  EXPECT_EQ(fault("min()").column, 5U);
+}
+
+TEST(Expression, SuggestsTheNearestName) {
+  EXPECT_EQ(fault("0.1 + sqr(x)").reason, "unknown name 'sqr'; did you mean 'sqrt'?");
+  EXPECT_EQ(fault("0.1 + sqr(x)").column, 7U);
+  EXPECT_EQ(fault("hypto(x,y)").reason, "unknown name 'hypto'; did you mean 'hypot'?");
+  EXPECT_NE(fault("temperature").reason.find("known are x, y, pi"), std::string::npos);
+}
+
+TEST(Expression, PointsAtTheFault) {
+  EXPECT_EQ(fault("1 + * 2").text("1 + * 2"), "expected a value, found '*' at column 5:\n  1 + * 2\n      ^");
+}
+
+TEST(Expression, DeepNestingIsAFaultAndNoOverflow) {
+  EXPECT_NE(fault(std::string(100000, '(')).reason.find("nested"), std::string::npos);
+  std::string powers = "1";
+  for (int i = 0; i < 100000; ++i) powers += "^1";
+  EXPECT_NE(fault(powers).reason.find("nested"), std::string::npos);
+  EXPECT_EQ(value(std::string(100000, '-') + "1"), 1);
+}
+
+}  // namespace
+}  // namespace voropack
