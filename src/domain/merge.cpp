@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "domain/plane.h"
-#include "geom/distance.h"
+#include "geom/polytope_distance.h"
 
 namespace voropack::domain_impl {
 
@@ -217,7 +217,7 @@ class Merger {
     }
     const auto& x = complex_.points;
     return groups_at(at[0]) == groups_at(at[1]) &&
-           segment_distance(x[p], x[others[0]], x[others[1]]) <= complex_.tolerance;
+           distance_to_segment(x[p], x[others[0]], x[others[1]]) <= complex_.tolerance;
   }
 
   /// Replaces members [begin, end) by one chain, or cuts them at the point that is farthest from a straight line.
@@ -227,7 +227,7 @@ class Merger {
     std::size_t farthest = begin;
     double worst = complex_.tolerance;
     for (std::size_t i = begin + 1; i < end; ++i) {
-      const double d = segment_distance(x[corners[i]], x[corners[begin]], x[corners[end]]);
+      const double d = distance_to_segment(x[corners[i]], x[corners[begin]], x[corners[end]]);
       if (d > worst) {
         worst = d;
         farthest = i;

@@ -7,6 +7,7 @@
 #include "domain/complex.h"
 #include "geom/aabb_tree.h"
 #include "geom/distance.h"
+#include "geom/polytope_distance.h"
 #include "geom/predicates.h"
 
 namespace voropack::domain_impl {
@@ -21,7 +22,7 @@ auto near_segment(const Vec<D>& a, const Vec<D>& b, double reach) {
   around.add(b);
   around.inflate(reach);
   return [a, b, reach, around](const Box<D>& box) {
-    return box.overlaps(around) && segment_distance(box.center(), a, b) <= 0.5 * box.diagonal() + reach;
+    return box.overlaps(around) && distance_to_segment(box.center(), a, b) <= 0.5 * box.diagonal() + reach;
   };
 }
 
@@ -67,7 +68,7 @@ class Splitter {
     const Vec<D>&xa = points[a], &xb = points[b];
     std::vector<std::pair<double, Index>> found;
     tree_.visit(near_segment(xa, xb, complex_->tolerance), [&](Index p) {
-      if (segment_distance(points[p], xa, xb) > complex_->tolerance) return;
+      if (distance_to_segment(points[p], xa, xb) > complex_->tolerance) return;
       if (p == a || p == b || (chain.size() > 2 && std::find(chain.begin(), chain.end(), p) != chain.end())) return;
       found.emplace_back(nearest_parameter(points[p], xa, xb), p);
     });

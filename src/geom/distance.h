@@ -1,4 +1,4 @@
-// Distances between points, segments and lines, and angles between directions, in floating point.
+// Nearest points of segments and angles between directions, in floating point.
 #pragma once
 
 #include "voropack/vec.h"
@@ -12,15 +12,6 @@ double nearest_parameter(const Vec<D>& x, const Vec<D>& a, const Vec<D>& b) {
   const double length_sq = norm_sq(e);
   if (!(length_sq > 0)) return 0;
   return std::clamp(dot(x - a, e) / length_sq, 0.0, 1.0);
-}
-
-/// Distance from x to the segment ab.
-template <int D>
-double segment_distance(const Vec<D>& x, const Vec<D>& a, const Vec<D>& b) {
-  const double t = nearest_parameter(x, a, b);
-  // From the nearer end, so that nothing is lost where t is close to 1.
-  const Vec<D> y = t <= 0.5 ? a + t * (b - a) : b + (1 - t) * (a - b);
-  return distance(x, y);
 }
 
 /// The nearest points of two segments.
