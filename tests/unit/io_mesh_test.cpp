@@ -178,6 +178,24 @@ TEST(VtuMesh, LinesOfAPlaneMeshAreItsBoundary) {
   EXPECT_EQ(mesh.boundary_marker.raw(), (std::vector<int>{6, 0, 0, 0}));
 }
 
+// Files that VTK 9.1 and meshio 5.0 wrote of one tetrahedron, one triangle and (VTK) one line.
+TEST(VtuMesh, EveryEncodingOfOtherProgramsIsRead) {
+  const std::filesystem::path corpus = "tests/fuzz/corpus/vtu";
+  const auto expected = read_as<3>(corpus / "vtk_ascii.vtu");
+  EXPECT_EQ(expected.simplex_region.raw(), std::vector<int>{5});
+  EXPECT_EQ(expected.boundary_marker.raw(), (std::vector<int>{7, 0, 0, 0}));
+  EXPECT_EQ(expected.segment_edge_marker.raw(), std::vector<int>{8});
+  for (const char* name : {"vtk_inline_zlib32.vtu", "vtk_inline_plain64.vtu", "vtk_base64_zlib64.vtu",
+                           "vtk_base64_plain32.vtu", "vtk_raw_zlib32.vtu", "vtk_raw_plain64_big.vtu"})
+    EXPECT_EQ(read_as<3>(corpus / name), expected) << name;
+  for (const char* name : {"meshio_zlib.vtu", "meshio_plain.vtu"}) {
+    const auto mesh = read_as<3>(corpus / name);
+    EXPECT_EQ(mesh.points, expected.points) << name;
+    EXPECT_EQ(mesh.simplex_vertices, expected.simplex_vertices) << name;
+    EXPECT_EQ(mesh.boundary_vertices, expected.boundary_vertices) << name;
+  }
+}
+
 TEST(VtuMesh, FaultsAreNamed) {
   const TemporaryFolder folder;
   const auto id_with = [&](std::string_view from, std::string_view to) {
