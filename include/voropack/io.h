@@ -19,14 +19,18 @@ using AnyMesh = std::variant<Mesh<2>, Mesh<3>>;
 
 /// Reads a domain by extension: .poly (Triangle or TetGen, told apart by the dimension in its header), .smesh, .node
 /// (points only: their convex hull is not taken; they are isolated points), .off, .stl (text or binary), .obj, .ply
-/// (text or binary). Throws: InputError io.cannot_open, io.truncated, io.bad_number, io.bad_count, io.bad_index,
-/// io.not_finite, io.unknown_format, ...
-///         each with file and line (or byte offset for binary) and how to mend it. Counts are checked against the
-///         file's size before memory is reserved.
+/// (text or binary).
+///
+/// Counts are checked against the file's size before memory is reserved. Cost: O(n) for n bytes, the file is held in
+/// memory. Throws: InputError io.cannot_open, io.truncated, io.bad_number, io.bad_count, io.bad_index, io.not_finite,
+///         io.unknown_format, ... each with file and line (or byte, for binary) and how to mend it; the whole list is
+///         in docs/formats.md. LimitError limit.ids, limit.memory. Cancelled.
 AnyDomainInput read_domain(const std::filesystem::path& path, Observer& observer = silent_observer());
 
 /// Reads a mesh by extension: .node (with .ele and, where present, .face, .edge) or .vtu. Orientation is made positive;
-/// neighbors are built; hull faces that no file lists are added with marker 0.
+/// neighbors are built; hull faces and interfaces that no file lists are added with marker 0; simplices without region
+/// get region 1. Throws as read_domain, and InputError mesh.flat_simplex, mesh.nonmanifold, mesh.overlapping_simplices,
+/// io.face_not_in_mesh, io.edge_not_in_mesh, io.duplicate_face, io.duplicate_edge.
 AnyMesh read_mesh(const std::filesystem::path& path, Observer& observer = silent_observer());
 
 /// Writes a mesh by extension: .node (with .ele and .face, .edge) or .vtu. Each file is written beside its place and

@@ -44,7 +44,9 @@ struct Mesh {
 template <int D>
 std::string find_mesh_fault(const Mesh<D>& mesh);
 
-/// Fills simplex_neighbors from simplex_vertices. Throws InputError mesh.nonmanifold if three simplices share a face.
+/// Fills simplex_neighbors from simplex_vertices, which must be positively oriented. The same result for any number of
+/// threads. Throws InputError mesh.nonmanifold if three simplices share a face, mesh.overlapping_simplices if two lie
+/// on the same side of one.
 template <int D>
 void build_neighbors(Mesh<D>& mesh);
 

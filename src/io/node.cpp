@@ -36,7 +36,7 @@ bool read_marker_flag(TextScanner& scanner) {
 NodeHeader read_node_header(TextScanner& scanner) {
   scanner.next_line("header of the points");
   NodeHeader header;
-  header.n_points = scanner.count("number of points", 0);
+  header.n_points = scanner.count("number of points");
   if (!scanner.at_end_of_line()) {
     const std::int64_t dimension = scanner.integer("dimension");
     if (dimension != 2 && dimension != 3)
@@ -44,7 +44,7 @@ NodeHeader read_node_header(TextScanner& scanner) {
                    "only dimensions 2 and 3 are supported; the header is <points> <dimension> <attributes> <markers>");
     header.dimension = static_cast<int>(dimension);
   }
-  if (!scanner.at_end_of_line()) header.n_attributes = scanner.count("number of attributes", 2 * header.n_points);
+  if (!scanner.at_end_of_line()) header.n_attributes = scanner.count("number of attributes");
   if (!scanner.at_end_of_line()) header.has_markers = read_marker_flag(scanner);
   scanner.end_of_line();
   return header;
@@ -59,17 +59,12 @@ int required_dimension(const NodeHeader& header, const TextScanner& scanner) {
 
 template <int D>
 NodeList<D> read_node_list(TextScanner& scanner, const NodeHeader& header) {
-  const std::uint64_t columns = 1 + D + header.n_attributes + (header.has_markers ? 1 : 0);
-  if (header.n_points > (scanner.rest().size() + 1) / (2 * columns))
-    scanner.fail("io.bad_count",
-                 fmt::format("the header announces {} points with {} columns, more than the remaining {} bytes of the "
-                             "file can hold",
-                             header.n_points, columns, scanner.rest().size()),
-                 "correct the header, or check that the file is complete");
+  const std::uint64_t columns = 1 + D + header.n_attributes;
+  const std::uint64_t capacity = scanner.capacity(header.n_points, 2 * columns);
   NodeList<D> nodes;
-  nodes.points.reserve(header.n_points);
-  if (header.n_attributes > 0) nodes.first_attribute.reserve(header.n_points);
-  if (header.has_markers) nodes.markers.reserve(header.n_points);
+  nodes.points.reserve(capacity);
+  if (header.n_attributes > 0) nodes.first_attribute.reserve(capacity);
+  if (header.has_markers) nodes.markers.reserve(capacity);
 
   for (std::uint64_t i = 0; i < header.n_points; ++i) {
     scanner.next_line("point", i + nodes.first_index);

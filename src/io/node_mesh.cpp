@@ -35,7 +35,7 @@ Listing<D + 1> read_simplices(const Source& source, std::uint32_t first_vertex, 
   constexpr std::int64_t kQuadraticNodes = D == 2 ? 6 : 10;
   TextScanner scanner(source, '#', observer);
   scanner.next_line("header of the simplices");
-  const std::uint64_t n = scanner.count("number of simplices", 2 * (D + 2));
+  const std::uint64_t n = scanner.count("number of simplices");
   const std::int64_t n_nodes = scanner.at_end_of_line() ? D + 1 : scanner.integer("number of nodes each");
   if (n_nodes != D + 1 && n_nodes != kQuadraticNodes)
     scanner.fail("io.bad_count",
@@ -44,15 +44,16 @@ Listing<D + 1> read_simplices(const Source& source, std::uint32_t first_vertex, 
                              n_nodes, D + 1, kQuadraticNodes, D),
                  "correct the header, or give the .node file that belongs to this .ele file");
   is_quadratic = n_nodes == kQuadraticNodes;
-  const std::uint64_t n_attributes = scanner.at_end_of_line() ? 0 : scanner.count("number of attributes", 2 * n);
+  const std::uint64_t n_attributes = scanner.at_end_of_line() ? 0 : scanner.count("number of attributes");
   scanner.end_of_line();
 
   Listing<D + 1> simplices;
   simplices.file = source.file;
   simplices.first_vertex = first_vertex;
-  simplices.vertices.reserve(n);
-  simplices.lines.reserve(n);
-  if (n_attributes > 0) simplices.markers.reserve(n);
+  const std::uint64_t capacity = scanner.capacity(n, 2 * (D + 2));
+  simplices.vertices.reserve(capacity);
+  simplices.lines.reserve(capacity);
+  if (n_attributes > 0) simplices.markers.reserve(capacity);
   for (std::uint64_t i = 0; i < n; ++i) {
     scanner.next_line(kKind, i + simplices.first_number);
     read_element_number(scanner, i, simplices.first_number);
@@ -77,16 +78,17 @@ Listing<K> read_listing(const Source& source, std::uint32_t first_vertex, std::u
   constexpr std::string_view kKind = K == 2 ? "edge" : "face";
   TextScanner scanner(source, '#', observer);
   scanner.next_line("header");
-  const std::uint64_t n = scanner.count(K == 2 ? "number of edges" : "number of faces", 2 * (K + 1));
+  const std::uint64_t n = scanner.count(K == 2 ? "number of edges" : "number of faces");
   const bool has_markers = !scanner.at_end_of_line() && read_marker_flag(scanner);
   scanner.end_of_line();
 
   Listing<K> listing;
   listing.file = source.file;
   listing.first_vertex = first_vertex;
-  listing.vertices.reserve(n);
-  listing.lines.reserve(n);
-  if (has_markers) listing.markers.reserve(n);
+  const std::uint64_t capacity = scanner.capacity(n, 2 * (K + 1));
+  listing.vertices.reserve(capacity);
+  listing.lines.reserve(capacity);
+  if (has_markers) listing.markers.reserve(capacity);
   for (std::uint64_t i = 0; i < n; ++i) {
     scanner.next_line(kKind, i + listing.first_number);
     read_element_number(scanner, i, listing.first_number);

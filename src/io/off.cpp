@@ -42,7 +42,7 @@ OffColumns parse_keyword(const TextScanner& scanner, std::string_view keyword) {
 
 void read_vertices(TextScanner& scanner, std::uint64_t n, const OffColumns& columns, std::vector<Vec<3>>& points) {
   constexpr int kMaxColorValues = 4;
-  points.reserve(n);
+  points.reserve(scanner.capacity(n, 6));
   for (std::uint64_t i = 0; i < n; ++i) {
     scanner.next_line("vertex", i);
     Vec<3> point;
@@ -59,15 +59,15 @@ void read_vertices(TextScanner& scanner, std::uint64_t n, const OffColumns& colu
 
 void read_faces(TextScanner& scanner, std::uint64_t n, DomainInput<3>& input) {
   constexpr int kMaxColorValues = 4;
-  input.facets.reserve(n);
+  input.facets.reserve(scanner.capacity(n, 4));
   for (std::uint64_t i = 0; i < n; ++i) {
     scanner.next_line("face", i);
     DomainInput<3>::Facet facet;
     facet.line = scanner.line();
-    const std::uint64_t n_corners = scanner.count("number of corners", 2);
+    const std::uint64_t n_corners = scanner.count("number of corners");
     if (n_corners == 0) scanner.fail("io.bad_count", fmt::format("face {} has no corners", i), "remove the face");
     std::vector<std::uint32_t> corners;
-    corners.reserve(n_corners);
+    corners.reserve(scanner.capacity(n_corners, 2));
     for (std::uint64_t k = 0; k < n_corners; ++k) corners.push_back(scanner.index("vertex", 0, input.points.size()));
     facet.polygons.push_back(std::move(corners));
     for (int k = 0; k < kMaxColorValues && !scanner.at_end_of_line(); ++k) scanner.number("color");
@@ -86,9 +86,9 @@ DomainInput<3> parse_off(const Source& source, Observer& observer) {
   if (scanner.at_end_of_line()) scanner.next_line("header");
   if (TextScanner(scanner).token() == "BINARY")
     scanner.fail("io.unsupported", "binary OFF is not supported", "convert the file to OFF in text");
-  const std::uint64_t n_vertices = scanner.count("number of vertices", 6);
-  const std::uint64_t n_faces = scanner.count("number of faces", 4);
-  if (!scanner.at_end_of_line()) scanner.count("number of edges", 0);  // Nobody keeps it right; unused.
+  const std::uint64_t n_vertices = scanner.count("number of vertices");
+  const std::uint64_t n_faces = scanner.count("number of faces");
+  if (!scanner.at_end_of_line()) scanner.integer("number of edges");  // Nobody keeps it right; unused.
   scanner.end_of_line();
 
   DomainInput<3> input;

@@ -80,7 +80,7 @@ Header parse_header(TextScanner& scanner) {
     if (keyword == "element") {
       Element element;
       element.name = scanner.token();
-      element.count = scanner.count("number of elements", 1);
+      element.count = scanner.count("number of elements");
       header.elements.push_back(std::move(element));
     } else if (keyword == "property" && !header.elements.empty()) {
       Property property;
@@ -213,10 +213,13 @@ class BinaryValues {
 template <class Values>
 std::uint64_t read_list_length(Values& values, const Property& property) {
   const double length = values.read(*property.list_count, property.name);
-  if (length < 0 || length != std::floor(length) ||
-      length > static_cast<double>((values.bytes_left() + 1) / Values::min_bytes(property.type)))
+  const auto bytes_left = static_cast<double>(values.bytes_left() + 1);
+  if (length < 0 || length != std::floor(length) || length > bytes_left)
     values.fail("io.bad_count", fmt::format("the list {} has the length {}", property.name, length),
-                "correct the length; the file cannot hold so many values");
+                "correct the length, or check that the file is complete");
+  if (length * static_cast<double>(Values::min_bytes(property.type)) > bytes_left)
+    values.fail("io.truncated", fmt::format("the file ends before the {} values of {}", length, property.name),
+                "check that the file is complete and that its counts are right");
   return static_cast<std::uint64_t>(length);
 }
 
@@ -233,7 +236,7 @@ void read_vertices(Values& values, const Element& element, std::vector<Vec<3>>& 
       if (property.name == std::string(1, static_cast<char>('x' + k)) && !property.list_count) present[k] = true;
   if (!present[0] || !present[1] || !present[2])
     values.fail("io.bad_header", "vertices lack one of the properties x, y, z", "export the coordinates");
-  points.reserve(element.count);
+  points.reserve(std::min(element.count, values.bytes_left() / 3 + 1));
   for (std::uint64_t i = 0; i < element.count; ++i) {
     values.begin_element(element, i);
     Vec<3> point;
@@ -251,7 +254,7 @@ void read_vertices(Values& values, const Element& element, std::vector<Vec<3>>& 
 
 template <class Values>
 void read_faces(Values& values, const Element& element, std::uint64_t n_points, DomainInput<3>& input) {
-  input.facets.reserve(element.count);
+  input.facets.reserve(std::min(element.count, values.bytes_left() / 4 + 1));
   for (std::uint64_t i = 0; i < element.count; ++i) {
     values.begin_element(element, i);
     DomainInput<3>::Facet facet;
@@ -286,10 +289,10 @@ void check_element_count(const Values& values, const Element& element, const std
   for (const Property& property : element.properties)
     bytes += Values::min_bytes(property.list_count ? *property.list_count : property.type);
   if (element.count > 0 && (bytes == 0 || element.count > (values.bytes_left() + 1) / bytes))
-    fail(file, "io.bad_count",
+    fail(file, "io.truncated",
          fmt::format("the header announces {} elements {} of {} bytes or more each, but {} bytes remain", element.count,
                      quote(element.name), bytes, values.bytes_left()),
-         "correct the count, or check that the file is complete");
+         "check that the file is complete and that its counts are right");
 }
 
 template <class Values>

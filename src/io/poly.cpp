@@ -37,8 +37,8 @@ class ComplexReader {
 
   /// `<segments> <markers>`, then `<number> <a> <b> [marker]`.
   void read_segments() {
-    const Header header = read_header("segment", "header of the segments", 6);
-    input_.segments.reserve(header.n);
+    const Header header = read_header("segment", "header of the segments");
+    input_.segments.reserve(scanner_.capacity(header.n, 6));
     for (std::uint64_t i = 0; i < header.n; ++i) {
       scanner_.next_line("segment", i + first_);
       scanner_.integer("number of the segment");
@@ -53,26 +53,26 @@ class ComplexReader {
 
   /// .poly: `<polygons> [holes] [marker]`, then the polygons and holes of the facet, each on its own lines.
   void read_facets() {
-    const Header header = read_header("facet", "header of the facets", 4);
-    input_.facets.reserve(header.n);
+    const Header header = read_header("facet", "header of the facets");
+    input_.facets.reserve(scanner_.capacity(header.n, 4));
     for (std::uint64_t i = 0; i < header.n; ++i) {
       scanner_.next_line("facet", i + first_);
       typename DomainInput<D>::Facet facet;
       facet.line = scanner_.line();
-      const std::uint64_t n_polygons = scanner_.count("number of polygons", 4);
-      const std::uint64_t n_holes = scanner_.at_end_of_line() ? 0 : scanner_.count("number of holes", 8);
+      const std::uint64_t n_polygons = scanner_.count("number of polygons");
+      const std::uint64_t n_holes = scanner_.at_end_of_line() ? 0 : scanner_.count("number of holes");
       if (header.has_markers && !scanner_.at_end_of_line())
         facet.marker = marker_or_none(scanner_.small_integer("marker"));
       scanner_.end_of_line();
       if (n_polygons == 0)
         scanner_.fail("io.bad_count", fmt::format("facet {} has no polygons", i + first_), "remove the facet");
-      facet.polygons.reserve(n_polygons);
+      facet.polygons.reserve(scanner_.capacity(n_polygons, 4));
       for (std::uint64_t p = 0; p < n_polygons; ++p) {
         scanner_.next_line("polygon of facet", i + first_);
         facet.polygons.push_back(read_polygon());
         scanner_.end_of_line();
       }
-      facet.holes.reserve(n_holes);
+      facet.holes.reserve(scanner_.capacity(n_holes, 8));
       for (std::uint64_t h = 0; h < n_holes; ++h) {
         scanner_.next_line("hole of facet", i + first_);
         scanner_.integer("number of the hole");
@@ -85,8 +85,8 @@ class ComplexReader {
 
   /// .smesh: one polygon for each facet, `<corners> <a> <b> ... [marker]`.
   void read_simple_facets() {
-    const Header header = read_header("facet", "header of the facets", 4);
-    input_.facets.reserve(header.n);
+    const Header header = read_header("facet", "header of the facets");
+    input_.facets.reserve(scanner_.capacity(header.n, 4));
     for (std::uint64_t i = 0; i < header.n; ++i) {
       scanner_.next_line("facet", i + first_);
       typename DomainInput<D>::Facet facet;
@@ -101,8 +101,8 @@ class ComplexReader {
 
   /// `<holes>`, then `<number> <position>`. May be left out at the end of the file.
   void read_holes() {
-    const std::uint64_t n = read_optional_count("header of the holes", "number of holes", D == 2 ? 6 : 8);
-    input_.hole_seeds.reserve(n);
+    const std::uint64_t n = read_optional_count("header of the holes", "number of holes");
+    input_.hole_seeds.reserve(scanner_.capacity(n, 2 * (D + 1)));
     for (std::uint64_t i = 0; i < n; ++i) {
       scanner_.next_line("hole", i + first_);
       scanner_.integer("number of the hole");
@@ -113,8 +113,8 @@ class ComplexReader {
 
   /// `<regions>`, then `<number> <position> <attribute> [largest area or volume]`. May be left out.
   void read_regions() {
-    const std::uint64_t n = read_optional_count("header of the regions", "number of regions", D == 2 ? 8 : 10);
-    input_.region_seeds.reserve(n);
+    const std::uint64_t n = read_optional_count("header of the regions", "number of regions");
+    input_.region_seeds.reserve(scanner_.capacity(n, 2 * (D + 2)));
     for (std::uint64_t i = 0; i < n; ++i) {
       scanner_.next_line("region", i + first_);
       scanner_.integer("number of the region");
@@ -138,19 +138,19 @@ class ComplexReader {
     bool has_markers = false;
   };
 
-  Header read_header(std::string_view kind, std::string_view name, std::uint64_t min_bytes) {
+  Header read_header(std::string_view kind, std::string_view name) {
     scanner_.next_line(name);
     Header header;
-    header.n = scanner_.count(fmt::format("number of {}s", kind), min_bytes);
+    header.n = scanner_.count(fmt::format("number of {}s", kind));
     if (!scanner_.at_end_of_line()) header.has_markers = read_marker_flag(scanner_);
     scanner_.end_of_line();
     return header;
   }
 
-  std::uint64_t read_optional_count(std::string_view element, std::string_view what, std::uint64_t min_bytes) {
+  std::uint64_t read_optional_count(std::string_view element, std::string_view what) {
     if (!TextScanner(scanner_).next_line()) return 0;
     scanner_.next_line(element);
-    const std::uint64_t n = scanner_.count(what, min_bytes);
+    const std::uint64_t n = scanner_.count(what);
     scanner_.end_of_line();
     return n;
   }
@@ -159,10 +159,10 @@ class ComplexReader {
 
   /// `<corners> <a> <b> ...`, which may go on on the following lines.
   std::vector<std::uint32_t> read_polygon() {
-    const std::uint64_t n = scanner_.count("number of corners", 2);
+    const std::uint64_t n = scanner_.count("number of corners");
     if (n == 0) scanner_.fail("io.bad_count", scanner_.element() + " has no corners", "remove it");
     std::vector<std::uint32_t> corners;
-    corners.reserve(n);
+    corners.reserve(scanner_.capacity(n, 2));
     for (std::uint64_t k = 0; k < n; ++k) {
       if (scanner_.at_end_of_line() && !scanner_.next_line())
         scanner_.fail("io.truncated",

@@ -109,18 +109,16 @@ int TextScanner::small_integer(std::string_view what) {
   return static_cast<int>(value);
 }
 
-std::uint64_t TextScanner::count(std::string_view what, std::uint64_t min_bytes) {
+std::uint64_t TextScanner::count(std::string_view what) {
   const std::int64_t value = integer(what);
   if (value < 0)
     fail("io.bad_count", fmt::format("{}: the {} is {}, a negative number", element(), what, value),
          "correct the count");
   const auto n = static_cast<std::uint64_t>(value);
-  // The last line may lack its newline, hence the + 1.
-  const auto left = static_cast<std::uint64_t>(end_ - at_) + 1;
-  if (min_bytes > 0 && n > left / min_bytes)
+  if (n > bytes_left() + 1)
     fail("io.bad_count",
          fmt::format("{}: the {} is {}, more than the remaining {} bytes of the file can hold", element(), what, n,
-                     left - 1),
+                     bytes_left()),
          "correct the count, or check that the file is complete");
   check_id_range(file_, what, n);
   return n;

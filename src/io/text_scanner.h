@@ -1,6 +1,7 @@
 // Reads text files line by line and token by token, with messages that name the file, line and element.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -50,10 +51,14 @@ class TextScanner {
   std::int64_t integer(std::string_view what);
   /// A whole number that fits an int. Throws io.missing_value, io.bad_number.
   int small_integer(std::string_view what);
-  /// A number of things that follow, each with at least `min_bytes` bytes of text. Throws io.missing_value,
-  /// io.bad_number; io.bad_count if it is negative or more than the rest of the file can hold; LimitError if 32-bit ids
-  /// do not suffice.
-  std::uint64_t count(std::string_view what, std::uint64_t min_bytes);
+  /// A number of things that follow. Throws io.missing_value, io.bad_number; io.bad_count if it is negative or more
+  /// than the bytes that are left.
+  std::uint64_t count(std::string_view what);
+  /// How many of n things to reserve memory for, each with at least `min_bytes` bytes of text: n, or less if the file
+  /// cannot hold so many. Reading them then tells where the file ends.
+  [[nodiscard]] std::uint64_t capacity(std::uint64_t n, std::uint64_t min_bytes) const {
+    return std::min(n, bytes_left() / min_bytes + 1);
+  }
   /// The 0-based index that a number in [first, first + n) stands for. Throws io.missing_value, io.bad_number,
   /// io.bad_index.
   std::uint32_t index(std::string_view what, std::uint64_t first, std::uint64_t n);

@@ -12,3 +12,8 @@ if(VOROPACK_DEBIAN_PYTHON)
   add_test(NAME io/check_vtu COMMAND ${VOROPACK_DEBIAN_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/io/check_vtu.py ${io_samples})
   set_tests_properties(io/check_vtu PROPERTIES FIXTURES_REQUIRED io_samples SKIP_RETURN_CODE 77)
 endif()
+
+voropack_test(io_mutation_test property/io_mutation_test.cpp)
+if(VOROPACK_BUILD_FUZZ)
+  add_subdirectory(fuzz)
+endif()
