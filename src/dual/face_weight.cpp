@@ -38,9 +38,10 @@ struct Quotient {
   S numerator, above, below;
 };
 
-/// Bounds of the absolute errors of a Quotient's numbers, in units of the arithmetic's relative error. edge_sq = L^2.
+/// Squares of bounds of the absolute errors of a Quotient's numbers, in units of the arithmetic's relative error.
 struct QuotientBound {
-  double numerator, above, below, edge_sq;
+  double numerator_sq, above_sq, below_sq;
+  double edge_sq;  ///< L^2 of FaceWeight.
 };
 
 template <class S>
@@ -77,46 +78,52 @@ Quotient<S> quotient(const Face<2>& face, const Apexes<2, 1>& apex) {
   return {dot<S>(d, d) - dot<S>(b, d), cross<S>(b, d), S(1.0)};
 }
 
+constexpr double square(double x) { return x * x; }
+
 // The factors are derived in docs/theory/dual.md, "Error bounds", and rounded up for the rounding of the bounds.
 QuotientBound error_bound(const Face<3>& face, const Apexes<3, 2>& apex) {
   const double b = distance_sq(face[1], face[0]), c = distance_sq(face[2], face[0]);
   const double d = distance_sq(apex[0], face[0]), e = distance_sq(apex[1], face[0]);
   const double bc = b * c;
-  return {40 * std::sqrt(bc * (d * e) * (b + c + d + e)), 12 * std::sqrt(bc * d), 12 * std::sqrt(bc * e),
-          std::max(b, c)};
+  return {square(40) * (bc * (d * e) * (b + c + d + e)), square(12) * (bc * d), square(12) * (bc * e), std::max(b, c)};
 }
 
 QuotientBound error_bound(const Face<2>& face, const Apexes<2, 2>& apex) {
   const double b = distance_sq(face[1], face[0]);
   const double d = distance_sq(apex[0], face[0]), e = distance_sq(apex[1], face[0]);
-  return {24 * std::sqrt(b * (d * e) * (b + d + e)), 6 * std::sqrt(b * d), 6 * std::sqrt(b * e), b};
+  return {square(24) * (b * (d * e) * (b + d + e)), square(6) * (b * d), square(6) * (b * e), b};
 }
 
 QuotientBound error_bound(const Face<3>& face, const Apexes<3, 1>& apex) {
   const double b = distance_sq(face[1], face[0]), c = distance_sq(face[2], face[0]);
   const double d = distance_sq(apex[0], face[0]);
   const double bc = b * c;
-  return {48 * bc * std::sqrt(d * (b + c + d)), 12 * std::sqrt(bc * d), 20 * bc, std::max(b, c)};
+  return {square(48) * (bc * bc * (d * (b + c + d))), square(12) * (bc * d), square(20 * bc), std::max(b, c)};
 }
 
 QuotientBound error_bound(const Face<2>& face, const Apexes<2, 1>& apex) {
   const double b = distance_sq(face[1], face[0]), d = distance_sq(apex[0], face[0]);
-  return {10 * std::sqrt(d * (b + d)), 6 * std::sqrt(b * d), 0, b};
+  return {square(10) * (d * (b + d)), square(6) * (b * d), 0, b};
 }
 
 /// q if the bounds certify its sign and its size; NaN otherwise, also after an overflow or underflow.
 template <class S>
 double certified(const Quotient<S>& q, const QuotientBound& bound, double unit) {
   const double numerator = to_double(q.numerator), above = to_double(q.above), below = to_double(q.below);
-  const double numerator_error = unit * bound.numerator;
-  const double above_error = unit * bound.above, below_error = unit * bound.below;
-  if (!(above > 8 * above_error && below > 8 * below_error && std::abs(numerator) > numerator_error)) return kNan;
+  const double unit_sq = unit * unit;
+  const double numerator_sq = unit_sq * bound.numerator_sq;
+  const double above_sq = unit_sq * bound.above_sq, below_sq = unit_sq * bound.below_sq;
+  // The denominators are known to 1/8, so that the true one is at least (7/8)^2 of this one.
+  const bool signs = above > 0 && below > 0 && square(above) > 64 * above_sq && square(below) > 64 * below_sq &&
+                     square(numerator) > numerator_sq;
+  if (!signs) return kNan;
   const double denominator = 2 * above * below;
   const double value = numerator / denominator;
-  // Factor 2: the true denominator is at least (7/8)^2 of this one.
-  const double error =
-      2 * (numerator_error / denominator + std::abs(value) * (above_error / above + below_error / below));
-  return error * error * bound.edge_sq <= kFaceWeightError * kFaceWeightError ? value : kNan;
+  // error <= 2 (|error of numerator| / denominator + |value| (relative errors of above and below)), squared by
+  // (x + y + z)^2 <= 3 (x^2 + y^2 + z^2) and cleared of the denominator.
+  const double error_sq =
+      12 * (numerator_sq + 4 * square(value) * (above_sq * square(below) + below_sq * square(above)));
+  return error_sq * bound.edge_sq < square(kFaceWeightError) * square(denominator) ? value : kNan;
 }
 
 /// The quotient of exact numbers. NaN if a simplex is not on its side of the face.

@@ -1,5 +1,7 @@
 #include "quality/cell_aspect.h"
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -25,25 +27,26 @@ template <int D>
 class Cell {
  public:
   Cell(const Mesh<D>& mesh, const IdVector<SimplexId, Vec<D>>& circumcenters)
-      : mesh_(mesh), circumcenters_(circumcenters) {}
+      : mesh_(mesh), circumcenters_(circumcenters), seen_by_(mesh.points.size()) {}
 
   /// R/r of the part of v's cell that the simplices cover; they are those around v in one region.
-  double aspect(VertexId v, std::span<const SimplexId> simplices) {
+  double aspect(CellId cell, VertexId v, std::span<const SimplexId> simplices) {
+    cell_ = cell;
     site_ = mesh_.points[v];
     corners_.clear();
-    half_spaces_.clear();
-    others_.clear();
-    n_walls_ = 0;
+    bisectors_.clear();
+    walls_.clear();
     for (const SimplexId s : simplices) add_simplex(v, s);
-    if (!corners_.empty() && n_walls_ > 0) corners_.push_back(Vec<D>{});
-    add_bisectors();
+    if (!walls_.empty()) corners_.push_back(Vec<D>{});
     const double outer = smallest_enclosing_ball<D>(corners_).radius;
-    double inner = largest_inscribed_ball<D>(half_spaces_, outer).radius;
+    walls_.insert(walls_.end(), bisectors_.begin(), bisectors_.end());
+    double inner = largest_inscribed_ball<D>(walls_, outer).radius;
     // At a corner that is so far from convex that no point sees all walls: the largest ball of any one simplex's part.
     if (!(inner > kThinBall * outer)) {
       for (const SimplexId s : simplices) inner = std::max(inner, ball_in_simplex(v, s, outer));
     }
-    return inner > 0 ? outer / inner : std::numeric_limits<double>::infinity();
+    const double ratio = outer / inner;
+    return ratio > 0 ? ratio : std::numeric_limits<double>::infinity();  // Also for NaN.
   }
 
  private:
@@ -54,21 +57,20 @@ class Cell {
     for (int i = 0; i <= D; ++i) {
       const VertexId apex = mesh_.simplex_vertices[s][static_cast<std::size_t>(i)];
       if (apex == v) continue;
-      others_.push_back(apex);
+      add_bisector(apex);
       if (neighbor_in_region(mesh_, s, i).is_none()) add_wall(v, s, i);
     }
   }
 
   /// A face at v where the region ends.
   void add_wall(VertexId v, SimplexId s, int i) {
-    ++n_walls_;
     const std::array<Vec<D>, D> face = positions(s, i);
     corners_.push_back(face_circumcenter(face) - site_);
     if constexpr (D == 3) {
       for (const VertexId w : face_vertices(mesh_, s, i))
         if (w != v) corners_.push_back(0.5 * (mesh_.points[w] - site_));
     }
-    half_spaces_.push_back(wall(face));
+    walls_.push_back(wall(face));
   }
 
   [[nodiscard]] std::array<Vec<D>, D> positions(SimplexId s, int i) const {
@@ -83,19 +85,16 @@ class Cell {
     return {normal / norm(normal), 0.0};
   }
 
-  void add_bisectors() {
-    std::sort(others_.begin(), others_.end());
-    others_.erase(std::unique(others_.begin(), others_.end()), others_.end());
-    for (const VertexId w : others_) {
-      const Vec<D> edge = mesh_.points[w] - site_;
-      const double length = norm(edge);
-      half_spaces_.push_back({edge / length, 0.5 * length});
-    }
+  void add_bisector(VertexId w) {
+    if (seen_by_[w] == cell_) return;
+    seen_by_[w] = cell_;
+    const Vec<D> edge = mesh_.points[w] - site_;
+    const double length = norm(edge);
+    bisectors_.push_back({edge / length, 0.5 * length});
   }
 
   double ball_in_simplex(VertexId v, SimplexId s, double size) {
-    std::vector<HalfSpace<D>> part(half_spaces_.end() - static_cast<std::ptrdiff_t>(others_.size()),
-                                   half_spaces_.end());
+    std::vector<HalfSpace<D>> part = bisectors_;
     for (int i = 0; i <= D; ++i)
       if (mesh_.simplex_vertices[s][static_cast<std::size_t>(i)] != v) part.push_back(wall(positions(s, i)));
     return largest_inscribed_ball<D>(part, size).radius;
@@ -103,50 +102,41 @@ class Cell {
 
   const Mesh<D>& mesh_;
   const IdVector<SimplexId, Vec<D>>& circumcenters_;
+  CellId cell_;
   Vec<D> site_;
   std::vector<Vec<D>> corners_;
-  std::vector<HalfSpace<D>> half_spaces_;  // Walls first, then one per other vertex.
-  std::vector<VertexId> others_;
-  std::size_t n_walls_ = 0;
+  std::vector<HalfSpace<D>> walls_, bisectors_;
+  IdVector<VertexId, CellId> seen_by_;  ///< The last cell that has a bisector with this vertex.
 };
-
-template <int D>
-IdVector<SimplexId, Vec<D>> all_circumcenters(const Mesh<D>& mesh) {
-  IdVector<SimplexId, Vec<D>> centers(mesh.simplex_vertices.size());
-  parallel_for(centers.size(), [&](std::size_t k) {
-    const SimplexId s(k);
-    std::array<Vec<D>, D + 1> p;
-    for (std::size_t c = 0; c <= D; ++c) p[c] = mesh.points[mesh.simplex_vertices[s][c]];
-    centers[s] = circumcenter<D>(p);
-  });
-  return centers;
-}
 
 }  // namespace
 
 template <int D>
-std::vector<double> cell_aspects(const Mesh<D>& mesh, const ControlVolumes<D>& volumes, Observer& observer) {
+std::vector<double> cell_aspects(const Mesh<D>& mesh, const ControlVolumes<D>& volumes,
+                                 const IdVector<SimplexId, Vec<D>>& circumcenters, Observer& observer) {
   constexpr std::size_t kBlock = 2048;
-  const IdVector<SimplexId, Vec<D>> centers = all_circumcenters(mesh);
   const Csr<VertexId, SimplexId> vertex_simplices =
       invert_incidence<VertexId>(mesh.simplex_vertices, mesh.points.size());
   std::vector<double> aspects(volumes.cell_vertex.size());
+  tbb::enumerable_thread_specific<Cell<D>> cells([&] { return Cell<D>(mesh, circumcenters); });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, aspects.size(), kBlock), [&](const auto& range) {
     observer.check_cancelled();
-    Cell<D> cell(mesh, centers);
+    Cell<D>& cell = cells.local();
     std::vector<SimplexId> simplices;
     for (std::size_t c = range.begin(); c != range.end(); ++c) {
       const VertexId v = volumes.cell_vertex[CellId(c)];
       simplices.clear();
       for (const SimplexId s : vertex_simplices[v])
         if (mesh.simplex_region[s] == volumes.cell_region[CellId(c)]) simplices.push_back(s);
-      aspects[c] = cell.aspect(v, simplices);
+      aspects[c] = cell.aspect(CellId(c), v, simplices);
     }
   });
   return aspects;
 }
 
-template std::vector<double> cell_aspects(const Mesh<2>&, const ControlVolumes<2>&, Observer&);
-template std::vector<double> cell_aspects(const Mesh<3>&, const ControlVolumes<3>&, Observer&);
+template std::vector<double> cell_aspects(const Mesh<2>&, const ControlVolumes<2>&, const IdVector<SimplexId, Vec<2>>&,
+                                          Observer&);
+template std::vector<double> cell_aspects(const Mesh<3>&, const ControlVolumes<3>&, const IdVector<SimplexId, Vec<3>>&,
+                                          Observer&);
 
 }  // namespace voropack

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -20,7 +21,7 @@ struct Support {
   int n = 0;
 };
 
-/// The smallest ball with p and the members of `subset` on its sphere. False if they are affinely dependent.
+/// The smallest ball around p and `subset` if it has all of them on its sphere and needs them. False otherwise.
 template <int D>
 bool sphere_through(const Vec<D>& p, const Support<D>& subset, Ball<D>& ball) {
   // center - p = sum_k t_k v_k with v_k = q_k - p and 2 v_i.(center - p) = |v_i|^2.
@@ -41,40 +42,54 @@ bool sphere_through(const Vec<D>& p, const Support<D>& subset, Ball<D>& ball) {
     }
   }
   Vec<D> offset;
+  double weight_of_p = 1;
   for (std::size_t k = n; k-- > 0;) {
     double t = row[k][n];
     for (std::size_t j = k + 1; j < n; ++j) t -= row[k][j] * row[j][n];
-    row[k][n] = t / row[k][k];
-    offset += row[k][n] * v[k];
+    t /= row[k][k];
+    if (t < 0) return false;
+    row[k][n] = t;
+    weight_of_p -= t;
+    offset += t * v[k];
   }
+  // A center out of the convex hull of the points is that of a ball around fewer of them.
+  if (weight_of_p < 0) return false;
   ball = {p + offset, norm(offset)};
   return true;
 }
 
-/// The smallest ball around `support` and p that has p on its sphere; support becomes what determines it.
+/// The subsets of {0, ..., D} in ascending order of their size.
 template <int D>
-Ball<D> enlarge(Support<D>& support, const Vec<D>& p) {
-  Ball<D> best;
-  Support<D> best_support;
-  best.radius = std::numeric_limits<double>::infinity();
-  for (int mask = 1; mask < 1 << support.n; ++mask) {
+constexpr auto subsets_by_size() {
+  std::array<unsigned, (1U << (D + 1U)) - 1> masks{};
+  std::size_t n = 0;
+  for (int size = 1; size <= D + 1; ++size)
+    for (unsigned mask = 1; mask < 1U << (D + 1U); ++mask)
+      if (std::popcount(mask) == size) masks[n++] = mask;
+  return masks;
+}
+
+/// The smallest ball around `support` and p, a point outside of the smallest ball around `support`; the support becomes
+/// what determines it. False if rounding hides it.
+template <int D>
+bool enlarge(Support<D>& support, const Vec<D>& p, Ball<D>& ball) {
+  static constexpr auto kSubsets = subsets_by_size<D>();
+  for (const unsigned mask : kSubsets) {
     Support<D> subset;
-    for (int k = 0; k < support.n; ++k)
-      if ((mask >> k & 1) != 0)
-        subset.point[static_cast<std::size_t>(subset.n++)] = support.point[static_cast<std::size_t>(k)];
-    if (subset.n > D) continue;
-    Ball<D> ball;
-    if (!sphere_through(p, subset, ball) || ball.radius >= best.radius) continue;
-    bool encloses = true;
-    for (int k = 0; k < support.n && encloses; ++k)
-      encloses = distance(support.point[static_cast<std::size_t>(k)], ball.center) <= ball.radius * (1 + kTolerance);
-    if (!encloses) continue;
-    best = ball;
-    best_support = subset;
+    bool fits = mask < 1U << static_cast<unsigned>(support.n);
+    for (std::size_t k = 0; k <= D && fits; ++k)
+      if ((mask >> k & 1U) != 0) subset.point[static_cast<std::size_t>(subset.n++)] = support.point[k];
+    if (!fits || subset.n > D || !sphere_through(p, subset, ball)) continue;
+    // The smallest ball around some of the points that encloses them all is the smallest around all.
+    const double reach_sq = ball.radius * ball.radius * (1 + kTolerance);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(support.n) && fits; ++k)
+      fits = (mask >> k & 1U) != 0 || distance_sq(support.point[k], ball.center) <= reach_sq;
+    if (!fits) continue;
+    subset.point[static_cast<std::size_t>(subset.n++)] = p;
+    support = subset;
+    return true;
   }
-  best_support.point[static_cast<std::size_t>(best_support.n++)] = p;
-  support = best_support;
-  return best;
+  return false;
 }
 
 }  // namespace
@@ -82,10 +97,17 @@ Ball<D> enlarge(Support<D>& support, const Vec<D>& p) {
 // Adds the farthest point to the support until none is outside: the radius grows with each step [Gaertner1999].
 template <int D>
 Ball<D> smallest_enclosing_ball(std::span<const Vec<D>> points) {
-  const auto farthest = [&](const Vec<D>& from) {
+  double farthest_sq = 0;
+  const auto farthest = [&](const Vec<D>& from) -> const Vec<D>& {
     std::size_t best = 0;
-    for (std::size_t k = 1; k < points.size(); ++k)
-      if (distance_sq(points[k], from) > distance_sq(points[best], from)) best = k;
+    farthest_sq = -1;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double length_sq = distance_sq(points[k], from);
+      if (length_sq > farthest_sq) {
+        farthest_sq = length_sq;
+        best = k;
+      }
+    }
     return points[best];
   };
   Support<D> support;
@@ -93,18 +115,15 @@ Ball<D> smallest_enclosing_ball(std::span<const Vec<D>> points) {
   support.n = 1;
   Ball<D> ball{support.point[0], 0};
   for (int step = 0; step < kMaxSteps; ++step) {
-    const Vec<D> p = farthest(ball.center);
-    const double distance_to_p = distance(p, ball.center);
-    if (distance_to_p <= ball.radius * (1 + kTolerance)) return ball;
-    const Ball<D> larger = enlarge(support, p);
-    if (!(larger.radius > ball.radius) || !std::isfinite(larger.radius)) {
-      ball.radius = distance_to_p;
-      return ball;
-    }
+    const Vec<D>& p = farthest(ball.center);
+    const double outside = std::sqrt(farthest_sq);
+    Ball<D> larger;
+    if (outside <= ball.radius * (1 + kTolerance)) return ball;
+    if (!enlarge(support, p, larger) || !(larger.radius > ball.radius)) return {ball.center, outside};
     ball = larger;
   }
-  ball.radius = distance(farthest(ball.center), ball.center);
-  return ball;
+  farthest(ball.center);
+  return {ball.center, std::sqrt(farthest_sq)};
 }
 
 // max r subject to normal.x + r <= offset, a linear program of D + 1 unknowns, by the dual simplex method: the D + 1

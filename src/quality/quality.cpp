@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/parallel.h"
 #include "geom/circumcenter.h"
@@ -106,7 +107,7 @@ class QualityMeasure {
     measure_edges();
     measure_cells();
     observer_.progress(2, 3);
-    std::vector<double> aspects = cell_aspects(mesh_, volumes_, observer_);
+    std::vector<double> aspects = cell_aspects(mesh_, volumes_, circumcenters_, observer_);
     report_.cell_aspect = measure_spread(aspects, 1, 11, 40);
     observer_.progress(3, 3);
     return report_;
@@ -115,6 +116,7 @@ class QualityMeasure {
  private:
   void measure_simplices() {
     std::vector<double> radius_edge(mesh_.simplex_vertices.size());
+    circumcenters_.resize(radius_edge.size());
     tbb::enumerable_thread_specific<AngleTallies> tallies;
     const RegionSums sums = parallel_reduce_ordered(
         radius_edge.size(), kBlock, RegionSums{},
@@ -126,7 +128,10 @@ class QualityMeasure {
             const SimplexId s(k);
             const std::array<Vec<D>, D + 1> p = corners(mesh_, s);
             const double determinant = simplex_determinant<D>(p);
-            radius_edge[k] = norm(circumcenter_offset<D>(p)) / std::sqrt(shortest_edge_sq<D>(p));
+            const Vec<D> offset = circumcenter_offset<D>(p);
+            circumcenters_[s] = p[0] + offset;
+            const double ratio = std::sqrt(norm_sq(offset) / shortest_edge_sq<D>(p));
+            radius_edge[k] = std::isnan(ratio) ? std::numeric_limits<double>::infinity() : ratio;
             add_angles(mesh_, s, p, determinant, local);
             auto& region = block.at(mesh_.simplex_region[s]);
             ++region.n;
@@ -184,6 +189,7 @@ class QualityMeasure {
   const Mesh<D>& mesh_;
   const ControlVolumes<D>& volumes_;
   Observer& observer_;
+  IdVector<SimplexId, Vec<D>> circumcenters_;
   QualityReport report_;
 };
 

