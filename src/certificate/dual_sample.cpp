@@ -223,7 +223,8 @@ Check check_dual_nonnegative(const Subject<D>& subject, bool complete) {
           combine);
     }
   }
-  return make_check("dual_nonnegative", tally, describe(subject, tally.worst), -1);
+  const bool is_area = !tally.worst.present || tally.worst.kind == 0 || tally.worst.kind == kNegative;
+  return make_check("dual_nonnegative", tally, describe(subject, tally.worst), is_area ? -1 : 1);
 }
 
 template Check check_dual_nonnegative(const Subject<2>&, bool);

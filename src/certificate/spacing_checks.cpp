@@ -119,9 +119,10 @@ void test_slope(const Subject<D>& subject, std::uint32_t v, std::uint32_t w, Slo
   const Slope slope{rise * rise, distance_sq(subject.point(v), subject.point(w)), {v, w}};
   tally.steepest.take(slope);
   if (!subject.options.gradation) return;
+  const double b = *subject.options.gradation;
+  if (slope.rise_sq <= b * b * slope.run_sq) return;
   // Slack for the rounding of f itself and of the distance.
-  const double slack = 1e-9 * *subject.options.gradation * std::sqrt(slope.run_sq) + 1e-12 * (f + g);
-  const double allowed = *subject.options.gradation * std::sqrt(slope.run_sq) + slack;
+  const double allowed = (1 + 1e-9) * b * std::sqrt(slope.run_sq) + 1e-12 * (f + g);
   if (!(std::abs(rise) <= allowed)) ++tally.violations;
 }
 
@@ -185,7 +186,9 @@ Check check_spacing_lipschitz(const Subject<D>& subject, double& measured) {
   if (!subject.options.gradation && !(measured < 1)) tally.violations = 1;
   if (tally.tested > 0) tally.note({.kind = 0, .figure = measured, .present = true});
   std::string where;
-  if (tally.tested > 0)
+  if (tally.tested > 0 && steepest.ids[0] == steepest.ids[1])
+    where = "the spacing is the same everywhere";
+  else if (tally.tested > 0)
     where = "steepest: " + subject.vertex_text(steepest.ids[0]) + " and " + subject.vertex_text(steepest.ids[1]);
   return make_check("spacing_lipschitz", tally, where);
 }

@@ -60,7 +60,7 @@ struct CellSums {
 };
 
 enum ClosureFault : int { kOpen = 1, kNoCell };
-enum VolumeFault : int { kCellIdentity = 1, kWrongSum, kNotPositiveVolume, kBadCells };
+enum VolumeFault : int { kWrongSum = 1, kCellIdentity, kNotPositiveVolume, kBadCells };
 
 /// The part of boundary face `vertices` that belongs to its corner i: a vector's length, signed.
 template <int D>

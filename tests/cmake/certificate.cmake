@@ -1,0 +1,6 @@
+add_library(certificate_case STATIC support/certificate_case.cpp support/delaunay_mesh.cpp)
+target_link_libraries(certificate_case PRIVATE voropack_test_support voropack_flags)
+foreach(name IN ITEMS certificate_mesh_test certificate_volumes_test)
+  voropack_test(${name} unit/${name}.cpp)
+  target_link_libraries(${name} PRIVATE certificate_case)
+endforeach()
