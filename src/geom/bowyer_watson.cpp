@@ -8,6 +8,7 @@
 #include <string>
 
 #include "geom/hilbert.h"
+#include "geom/predicates.h"
 #include "voropack/error.h"
 
 namespace voropack {
@@ -32,6 +33,14 @@ std::vector<double> position(const Vec<K>& p) {
 template <int K>
 std::string text(const Vec<K>& p) {
   return fmt::format("({})", fmt::join(p.coord, ", "));
+}
+
+/// Lexicographic order.
+template <int K>
+bool before(const Vec<K>& a, const Vec<K>& b) {
+  for (int k = 0; k < K; ++k)
+    if (a[k] != b[k]) return a[k] < b[k];
+  return false;
 }
 
 /// True if a, b, c lie on a line, which is so if all their projections to coordinate planes do.
@@ -70,15 +79,18 @@ inline int BowyerWatson<K>::in_circumball(const Simplex& s, const Vec<K>& p) con
 /// removal in a 3D Delaunay triangulation, SODA 2003]. The same as CGAL's side_of_oriented_sphere(..., perturb).
 template <int K>
 bool BowyerWatson<K>::in_perturbed_circumball(const Simplex& s, const Vec<K>& p) const {
-  std::array<int, K + 1> order{};
-  for (int i = 0; i <= K; ++i) order[static_cast<std::size_t>(i)] = i;
   const auto point = [&](int i) -> const Vec<K>& { return points_[s.corner[static_cast<std::size_t>(i)]]; };
-  std::sort(order.begin(), order.end(), [&](int i, int j) { return point(i) > point(j); });
-  for (const int i : order) {
-    if (p > point(i)) return false;
-    if (const int o = orientation_with(s, i, p); o != 0) return o > 0;
+  int previous = -1;
+  for (;;) {
+    int latest = -1;
+    for (int i = 0; i <= K; ++i) {
+      if (i == previous || (previous >= 0 && !before(point(i), point(previous)))) continue;
+      if (latest < 0 || before(point(latest), point(i))) latest = i;
+    }
+    if (latest < 0 || before(point(latest), p)) return false;
+    if (const int o = orientation_with(s, latest, p); o != 0) return o > 0;
+    previous = latest;
   }
-  return false;
 }
 
 /// Whether inserting p destroys `s`. A face of the hull is destroyed if p is strictly beyond its hyperplane, or in the
@@ -133,41 +145,53 @@ void BowyerWatson<K>::check_new(std::uint32_t vertex, Slot slot) const {
   }
 }
 
-/// Collects the simplices in conflict with a vertex, from one of them, and the faces between them and the others.
+/// Asks for the memory that `find_cavity` will read when it comes to a slot.
 template <int K>
-void BowyerWatson<K>::find_cavity(std::uint32_t vertex, Slot start) {
-  const Vec<K> p = points_[vertex];
-  const std::uint32_t tested = round_ << kRoundShift;
-  conflict_.clear();
-  faces_.clear();
-  conflict_.push_back(start);
-  state_[start] = tested | kConflictBit | (state_[start] & kCreatedBit);
-  for (std::size_t next = 0; next < conflict_.size(); ++next) {
-    const Simplex& s = simplices_[conflict_[next]];
-    for (std::size_t i = 0; i <= K; ++i) {
-      const std::uint32_t code = s.neighbor[i];
-      const Slot slot = code >> kFaceBits;
-      std::uint32_t state = state_[slot];
-      if (state >> kRoundShift != round_) {
-        const bool hit = in_conflict(simplices_[slot], p);
-        state = tested | (hit ? kConflictBit : 0) | (state & kCreatedBit);
-        state_[slot] = state;
-        if (hit) conflict_.push_back(slot);
-      }
-      if ((state & kConflictBit) != 0) continue;
-      CavityFace& face = faces_.emplace_back();
-      face.outside = code;
-      if constexpr (K == 2) {
-        face.corner = s.corner;
-        face.corner[i] = vertex;
-        face.apex = static_cast<std::uint32_t>(i);
-      } else {
-        const auto& at = kMoveToEnd[i];
-        face.corner = {s.corner[at[0]], s.corner[at[1]], s.corner[at[2]], vertex};
-        face.apex = 3;
-      }
-    }
+inline void BowyerWatson<K>::prefetch_neighbors(Slot slot) const {
+  for (const std::uint32_t code : simplices_[slot].neighbor) {
+    __builtin_prefetch(&state_[code >> kFaceBits], 1);
+    __builtin_prefetch(&simplices_[code >> kFaceBits]);
   }
+}
+
+/// Collects the simplices in conflict with p, from one of them, and the faces between them and the others.
+///
+/// Nothing branches on the outcome of a test, which no processor can predict: it is added to the lengths of the lists.
+/// So the arithmetic of several tests overlaps.
+template <int K>
+void BowyerWatson<K>::find_cavity(const Vec<K> p, Slot start) {
+  const std::uint32_t round = round_;
+  std::size_t n_conflicts = 1, n_faces = 0;
+  conflict_[0] = start << kFaceBits;
+  state_[start] = round << kRoundShift | kConflictBit | (state_[start] & kCreatedBit);
+  const auto visit = [&](Slot slot, std::uint32_t face) {
+    const std::uint32_t beyond = simplices_[slot].neighbor[face];
+    std::uint32_t& state = state_[beyond >> kFaceBits];
+    std::uint32_t hit = state & kConflictBit;
+    if (state >> kRoundShift != round) {
+      hit = in_conflict(simplices_[beyond >> kFaceBits], p) ? kConflictBit : 0;
+      state = round << kRoundShift | hit | (state & kCreatedBit);
+      conflict_[n_conflicts] = beyond;
+      n_conflicts += hit / kConflictBit;
+    }
+    faces_[n_faces] = {slot << kFaceBits | face, beyond};
+    n_faces += 1 - hit / kConflictBit;
+  };
+  visit(start, 0);
+  for (std::size_t next = 0; next < n_conflicts; ++next) {
+    // The face by which the simplex was entered has been seen; the first one begins as if entered by face 0.
+    const Slot slot = conflict_[next] >> kFaceBits;
+    std::uint32_t face = conflict_[next] & kFaceMask;
+    prefetch_neighbors(conflict_[next + 2] >> kFaceBits);
+    for (int i = 0; i < K; ++i) {
+      face = face == K ? 0 : face + 1;
+      visit(slot, face);
+    }
+    if (n_conflicts + 2 * K > conflict_.size()) conflict_.resize(2 * conflict_.size());
+    if (n_faces + 2 * K > faces_.size()) faces_.resize(2 * faces_.size());
+  }
+  n_conflicts_ = n_conflicts;
+  n_faces_ = n_faces;
 }
 
 template <int K>
@@ -186,25 +210,48 @@ typename BowyerWatson<K>::Slot BowyerWatson<K>::new_slot() {
   return static_cast<Slot>(simplices_.size() - 1);
 }
 
-/// Puts the new simplices into the slots of the cavity and, where these do not suffice, into others, and joins them to
-/// their neighbors outside of the cavity.
+/// Lists the new simplices: each face of the cavity joined to the new vertex. They take the slots of the cavity and,
+/// where these do not suffice, others.
 template <int K>
-void BowyerWatson<K>::place_new_simplices() {
-  face_slot_.resize(faces_.size());
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
-    const CavityFace& face = faces_[f];
-    const Slot slot = f < conflict_.size() ? conflict_[f] : new_slot();
-    face_slot_[f] = slot;
-    simplices_[slot].corner = face.corner;
-    join(slot << kFaceBits | face.apex, face.outside);
+void BowyerWatson<K>::list_new_simplices(std::uint32_t vertex) {
+  if (new_.size() < n_faces_) new_.resize(2 * n_faces_);
+  for (std::size_t f = 0; f < n_faces_; ++f) {
+    const auto [inside, outside] = faces_[f];
+    const Corners& c = simplices_[inside >> kFaceBits].corner;
+    const std::uint32_t i = inside & kFaceMask;
+    NewSimplex& n = new_[f];
+    n.outside = outside;
+    n.apex = K == 2 ? i : 3;
+    if constexpr (K == 2) {
+      n.corner = c;
+      n.corner[i] = vertex;
+    } else {
+      const auto& at = kMoveToEnd[i];
+      n.corner = {c[at[0]], c[at[1]], c[at[2]], vertex};
+    }
+  }
+  for (std::size_t f = 0; f < n_faces_; ++f) {
+    const Slot slot = f < n_conflicts_ ? conflict_[f] >> kFaceBits : new_slot();
+    new_[f].slot = slot;
     if (slot < first_new_slot_ && (state_[slot] & kCreatedBit) == 0) {
       state_[slot] |= kCreatedBit;
       recreated_.push_back(slot);
     }
   }
-  for (std::size_t f = faces_.size(); f < conflict_.size(); ++f) {
-    simplices_[conflict_[f]].corner[0] = kEmpty;
-    free_slots_.push_back(conflict_[f]);
+  for (std::size_t f = n_faces_; f < n_conflicts_; ++f) {
+    const Slot slot = conflict_[f] >> kFaceBits;
+    simplices_[slot].corner[0] = kEmpty;
+    free_slots_.push_back(slot);
+  }
+}
+
+/// Writes the new simplices and joins them to their neighbors outside of the cavity.
+template <int K>
+void BowyerWatson<K>::store_new_simplices() {
+  for (std::size_t f = 0; f < n_faces_; ++f) {
+    const NewSimplex& n = new_[f];
+    simplices_[n.slot].corner = n.corner;
+    join(n.slot << kFaceBits | n.apex, n.outside);
   }
 }
 
@@ -216,49 +263,48 @@ inline void BowyerWatson<K>::join(std::uint32_t code_a, std::uint32_t code_b) {
 
 /// 2D: the cavity's boundary is a polygon, so the triangle after (u, v, vertex) is the one whose edge starts at v.
 template <>
-void BowyerWatson<2>::link_around_vertex(std::uint32_t vertex) {
-  for (std::size_t f = 0; f < faces_.size(); ++f)
-    vertex_slot_[faces_[f].corner[(faces_[f].apex + 1) % 3]] = static_cast<std::uint32_t>(f);
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
-    const CavityFace& face = faces_[f];
-    const std::size_t after = vertex_slot_[face.corner[(face.apex + 2) % 3]];
-    join(face_slot_[f] << kFaceBits | (face.apex + 1) % 3,
-         face_slot_[after] << kFaceBits | (faces_[after].apex + 2) % 3);
+void BowyerWatson<2>::link_new_simplices() {
+  const auto edge_start = [](const NewSimplex& n) { return n.corner[(n.apex + 1) % 3]; };
+  const auto edge_end = [](const NewSimplex& n) { return n.corner[(n.apex + 2) % 3]; };
+  for (std::size_t f = 0; f < n_faces_; ++f) vertex_slot_[edge_start(new_[f])] = static_cast<std::uint32_t>(f);
+  for (std::size_t f = 0; f < n_faces_; ++f) {
+    const NewSimplex& n = new_[f];
+    const NewSimplex& after = new_[vertex_slot_[edge_end(n)]];
+    join(n.slot << kFaceBits | (n.apex + 1) % 3, after.slot << kFaceBits | (after.apex + 2) % 3);
   }
-  for (std::size_t f = 0; f < faces_.size(); ++f)
-    vertex_slot_[faces_[f].corner[(faces_[f].apex + 1) % 3]] = face_slot_[f];
-  vertex_slot_[vertex] = face_slot_.back();
+  for (std::size_t f = 0; f < n_faces_; ++f) vertex_slot_[edge_start(new_[f])] = new_[f].slot;
 }
 
 /// The boundary of the cavity is a closed surface: each edge occurs once in each direction. All entries that are read
 /// were written in the same call, so nothing is ever cleared.
 template <>
 void BowyerWatson<3>::link_by_table() {
-  const std::size_t stride = std::bit_ceil(local_vertices_.size());
-  if (edge_table_.size() < stride * stride) edge_table_.resize(stride * stride);
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
-    const auto& l = faces_[f].local;
-    const std::uint32_t code = face_slot_[f] << kFaceBits;
-    edge_table_[l[1] * stride + l[2]] = code;
-    edge_table_[l[2] * stride + l[0]] = code | 1U;
-    edge_table_[l[0] * stride + l[1]] = code | 2U;
+  const auto width = static_cast<unsigned>(std::bit_width(local_vertices_.size() - 1));
+  if (edge_table_.size() < std::size_t{1} << 2 * width) edge_table_.resize(std::size_t{1} << 2 * width);
+  std::uint32_t* const table = edge_table_.data();
+  for (std::size_t f = 0; f < n_faces_; ++f) {
+    const auto& l = new_[f].local;
+    const std::uint32_t code = new_[f].slot << kFaceBits;
+    table[l[1] << width | l[2]] = code;
+    table[l[2] << width | l[0]] = code | 1U;
+    table[l[0] << width | l[1]] = code | 2U;
   }
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
-    const auto& l = faces_[f].local;
-    auto& neighbor = simplices_[face_slot_[f]].neighbor;
-    neighbor[0] = edge_table_[l[2] * stride + l[1]];
-    neighbor[1] = edge_table_[l[0] * stride + l[2]];
-    neighbor[2] = edge_table_[l[1] * stride + l[0]];
+  for (std::size_t f = 0; f < n_faces_; ++f) {
+    const auto& l = new_[f].local;
+    Corners& neighbor = simplices_[new_[f].slot].neighbor;
+    neighbor[0] = table[l[2] << width | l[1]];
+    neighbor[1] = table[l[0] << width | l[2]];
+    neighbor[2] = table[l[1] << width | l[0]];
   }
 }
 
 template <>
 void BowyerWatson<3>::link_by_sorting() {
   edge_list_.clear();
-  for (std::size_t f = 0; f < faces_.size(); ++f)
+  for (std::size_t f = 0; f < n_faces_; ++f)
     for (std::uint32_t i = 0; i < 3; ++i) {
-      const auto [low, high] = std::minmax(faces_[f].local[(i + 1) % 3], faces_[f].local[(i + 2) % 3]);
-      edge_list_.emplace_back(std::uint64_t{low} << 32U | high, face_slot_[f] << kFaceBits | i);
+      const std::uint32_t u = new_[f].local[(i + 1) % 3], v = new_[f].local[(i + 2) % 3];
+      edge_list_.emplace_back(std::uint64_t{std::min(u, v)} << 32U | std::max(u, v), new_[f].slot << kFaceBits | i);
     }
   std::sort(edge_list_.begin(), edge_list_.end());
   for (std::size_t e = 0; e < edge_list_.size(); e += 2) join(edge_list_[e].second, edge_list_[e + 1].second);
@@ -266,25 +312,24 @@ void BowyerWatson<3>::link_by_sorting() {
 
 /// 3D: two new tetrahedra are neighbors if their faces of the cavity share an edge.
 template <>
-void BowyerWatson<3>::link_around_vertex(std::uint32_t vertex) {
+void BowyerWatson<3>::link_new_simplices() {
   local_vertices_.clear();
-  for (CavityFace& face : faces_) {
+  for (std::size_t f = 0; f < n_faces_; ++f) {
+    NewSimplex& n = new_[f];
     for (std::size_t i = 0; i < 3; ++i) {
-      std::uint32_t& entry = vertex_slot_[face.corner[i]];
+      std::uint32_t& entry = vertex_slot_[n.corner[i]];
       if ((entry & kLocalBit) == 0) {
         entry = kLocalBit | static_cast<std::uint32_t>(local_vertices_.size());
-        local_vertices_.push_back(face.corner[i]);
+        local_vertices_.emplace_back(n.corner[i], n.slot);
       }
-      face.local[i] = entry & ~kLocalBit;
+      n.local[i] = entry & ~kLocalBit;
     }
   }
   if (local_vertices_.size() <= kTableVertices)
     link_by_table();
   else
     link_by_sorting();
-  for (std::size_t f = 0; f < faces_.size(); ++f)
-    for (std::size_t i = 0; i < 3; ++i) vertex_slot_[faces_[f].corner[i]] = face_slot_[f];
-  vertex_slot_[vertex] = face_slot_.back();
+  for (const auto& [vertex, slot] : local_vertices_) vertex_slot_[vertex] = slot;
 }
 
 template <int K>
@@ -292,10 +337,12 @@ void BowyerWatson<K>::insert_vertex(std::uint32_t vertex, Slot start) {
   ++round_;
   const Slot slot = locate(points_[vertex], start);
   check_new(vertex, slot);
-  find_cavity(vertex, slot);
-  place_new_simplices();
-  link_around_vertex(vertex);
-  last_slot_ = face_slot_.back();
+  find_cavity(points_[vertex], slot);
+  list_new_simplices(vertex);
+  store_new_simplices();
+  link_new_simplices();
+  last_slot_ = new_[n_faces_ - 1].slot;
+  vertex_slot_[vertex] = last_slot_;
 }
 
 // ---------------------------------------------------------------------------------------------------------- batches

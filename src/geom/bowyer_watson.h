@@ -89,12 +89,19 @@ class BowyerWatson {
     Corners neighbor;
   };
 
-  /// A face of the cavity, as the simplex that will join it to the new vertex.
+  /// A face of the cavity joined to the new vertex.
+  struct NewSimplex {
+    Corners corner;                      ///< Positively oriented.
+    std::uint32_t apex;                  ///< Which corner is the new vertex.
+    std::uint32_t outside;               ///< The neighbor beyond the face.
+    Slot slot;                           ///< Where it will be.
+    std::array<std::uint32_t, 3> local;  ///< 3D: corners 0 to 2 by their numbers within the cavity.
+  };
+
+  /// A face between the cavity and the rest, seen from both sides.
   struct CavityFace {
-    Corners corner;                        ///< Positively oriented.
-    std::uint32_t apex;                    ///< Which corner is the new vertex.
-    std::uint32_t outside;                 ///< The neighbor beyond the face.
-    std::array<std::uint32_t, 3> local{};  ///< 3D: corners 0 to 2 by their numbers within the cavity.
+    std::uint32_t inside;
+    std::uint32_t outside;
   };
 
   void append_points(std::span<const Vec<K>> points);
@@ -107,9 +114,11 @@ class BowyerWatson {
   [[nodiscard]] int in_circumball(const Simplex& s, const Vec<K>& p) const;
   [[nodiscard]] bool in_perturbed_circumball(const Simplex& s, const Vec<K>& p) const;
   [[nodiscard]] bool in_conflict(const Simplex& s, const Vec<K>& p) const;
-  void find_cavity(std::uint32_t vertex, Slot start);
-  void place_new_simplices();
-  void link_around_vertex(std::uint32_t vertex);
+  void prefetch_neighbors(Slot slot) const;
+  void find_cavity(Vec<K> p, Slot start);
+  void list_new_simplices(std::uint32_t vertex);
+  void store_new_simplices();
+  void link_new_simplices();
   void link_by_table();
   void link_by_sorting();
   Slot new_slot();
@@ -127,12 +136,14 @@ class BowyerWatson {
   Box<K> box_;                             ///< Of all points.
   FilteredPredicates<K> predicates_;
 
-  // Scratch of one insertion, kept to save allocations.
-  std::vector<Slot> conflict_;                 ///< Slots of the cavity.
-  std::vector<CavityFace> faces_;              ///< Boundary of the cavity.
-  std::vector<Slot> face_slot_;                ///< [faces_] where the new simplex goes.
-  std::vector<std::uint32_t> local_vertices_;  ///< Vertices of the cavity by local number.
-  std::vector<std::uint32_t> edge_table_;      ///< Local numbers of an edge's ends -> neighbor code.
+  // Scratch of one insertion, kept to save allocations. The first two are only longer than needed.
+  std::vector<std::uint32_t> conflict_ = std::vector<std::uint32_t>(64);  ///< [n_conflicts_] slot and face of entry.
+  std::vector<CavityFace> faces_ = std::vector<CavityFace>(64);           ///< [n_faces_] boundary of the cavity.
+  std::size_t n_conflicts_ = 0;
+  std::size_t n_faces_ = 0;
+  std::vector<NewSimplex> new_;                                     ///< [n_faces_]
+  std::vector<std::pair<std::uint32_t, Slot>> local_vertices_;      ///< Vertices of the cavity by local number.
+  std::vector<std::uint32_t> edge_table_;                           ///< Local numbers of an edge's ends -> neighbor.
   std::vector<std::pair<std::uint64_t, std::uint32_t>> edge_list_;  ///< The same for cavities too large for a table.
 };
 

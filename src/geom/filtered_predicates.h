@@ -9,7 +9,7 @@
 // and the bounds below follow. Three filters are tried in turn:
 //   1. static: X = Y = Z = the extent of all points, computed once;
 //   2. of the call: X, Y, Z from the arguments, so that small simplices of a graded mesh pass;
-//   3. exact evaluation.
+//   3. exact evaluation, exact_predicates.h.
 // Shewchuk's theorems hold without overflow and underflow. A filter answers only where X, Y, Z lie in a range in which
 // the error by underflow is far below the slack of the constants, and nothing overflows.
 #pragma once
@@ -19,7 +19,7 @@
 #include <limits>
 #include <utility>
 
-#include "geom/predicates.h"
+#include "geom/exact_predicates.h"
 #include "voropack/vec.h"
 
 namespace voropack {
@@ -71,7 +71,7 @@ class FilteredPredicates<2> {
     if (x == 0 || y == 0) return 0;  // On a line parallel to an axis.
     if (filter::in_range(std::min(x, y), std::max(x, y)) && std::abs(det) > filter::kOrientation2 * x * y)
       return filter::sign(det);
-    return voropack::orientation(a, b, c);
+    return orientation_exact(a, b, c);
   }
 
   [[nodiscard]] int in_circumball(const Vec<2>& a, const Vec<2>& b, const Vec<2>& c, const Vec<2>& e) const {
@@ -87,7 +87,7 @@ class FilteredPredicates<2> {
     double x = filter::max_abs(aex, bex, cex), y = filter::max_abs(aey, bey, cey);
     if (x > y) std::swap(x, y);
     if (filter::in_range(x, y) && std::abs(det) > filter::kInCircle * x * y * (y * y)) return filter::sign(det);
-    return voropack::in_circumball(a, b, c, e);
+    return in_circumball_exact(a, b, c, e);
   }
 
  private:
@@ -121,7 +121,7 @@ class FilteredPredicates<3> {
     if (x == 0 || y == 0 || z == 0) return 0;  // In a plane parallel to two axes.
     if (filter::in_range(std::min({x, y, z}), std::max({x, y, z})) && std::abs(det) > filter::kOrientation3 * x * y * z)
       return filter::sign(det);
-    return voropack::orientation(a, b, c, d);
+    return orientation_exact(a, b, c, d);
   }
 
   [[nodiscard]] int in_circumball(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c, const Vec<3>& d,
@@ -151,7 +151,7 @@ class FilteredPredicates<3> {
     if (filter::in_range(std::min({x, y, z}), largest) &&
         std::abs(det) > filter::kInSphere * x * y * z * (largest * largest))
       return filter::sign(det);
-    return voropack::in_circumball(a, b, c, d, e);
+    return in_circumball_exact(a, b, c, d, e);
   }
 
  private:

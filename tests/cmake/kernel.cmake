@@ -1,2 +1,3 @@
 voropack_test(bowyer_watson_test unit/bowyer_watson_test.cpp)
 voropack_test(delaunay_kernel_test property/delaunay_kernel_test.cpp)
+voropack_test(exact_predicates_test unit/exact_predicates_test.cpp)
