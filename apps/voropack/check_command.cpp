@@ -48,11 +48,8 @@ ExitCode check_mesh(const Mesh<D>& mesh, const CheckArguments& arguments, StageT
   report.input = describe_file(arguments.mesh, D);
   if (domain) report.domain = describe_domain(*arguments.domain, *domain);
 
-  observer.begin_stage("dual");
   const ControlVolumes<D> volumes = timed(times, "dual", [&] { return build_control_volumes(mesh, observer); });
-  observer.begin_stage("quality");
   report.quality = timed(times, "quality", [&] { return measure_quality(mesh, volumes, observer); });
-  observer.begin_stage("certificate");
   report.certificate = timed(times, "certificate", [&] {
     return certify(mesh, volumes, domain ? &*domain : nullptr, arguments.claims, observer);
   });

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -142,7 +143,9 @@ void add_form_options(CLI::App& command, PackingForm& form, double& epsilon) {
 }
 
 void check_extension(const std::filesystem::path& path, const std::vector<std::string>& extensions) {
-  const std::string extension = path.extension().string();
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return;
   throw OptionError(Fault{.id = "io.unknown_format",
                           .message = fmt::format("{}: unknown format '{}'", path.string(), extension),

@@ -30,7 +30,6 @@ ExitCode run_plot(const PlotArguments& arguments, Session& session) {
                            .fix = "convert it to .vtu and open that in ParaView.",
                            .file = arguments.mesh.string()});
   report.input = describe_file(arguments.mesh, 2);
-  session.observer.begin_stage("dual");
   const ControlVolumes<2> volumes =
       timed(report.times, "dual", [&] { return build_control_volumes(*mesh, session.observer); });
   session.observer.begin_stage("write");

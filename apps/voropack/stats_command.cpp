@@ -14,9 +14,7 @@ ExitCode measure_mesh(const Mesh<D>& mesh, const std::filesystem::path& path, St
   Report report;
   report.command = "stats";
   report.input = describe_file(path, D);
-  session.observer.begin_stage("dual");
   const ControlVolumes<D> volumes = timed(times, "dual", [&] { return build_control_volumes(mesh, session.observer); });
-  session.observer.begin_stage("quality");
   report.quality = timed(times, "quality", [&] { return measure_quality(mesh, volumes, session.observer); });
   report.input.regions = report.quality->regions.size();
   report.times = times;

@@ -1,0 +1,9 @@
+#!/usr/bin/env bash
+# Makes the pictures of the README with the program itself: docs/pictures/*.svg.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+"$here/../run" mesh "$here/../examples/domains/plate.poly" -o "$work/plate.node" --size 0.35 --region-size 2=0.2 --quiet
+"$here/../run" plot "$work/plate.node" -o "$here/pictures/plate.svg"
