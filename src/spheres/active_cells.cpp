@@ -14,6 +14,9 @@ namespace {
 
 /// Down to this depth of the tree subtrees are worth a task of their own.
 constexpr int kParallelDepth = 3;
+/// Darts are thrown in this many groups (measured: fewer make the conflict graph dense, more pass over the cells too
+/// often).
+constexpr std::uint32_t kDartGroups = 4;
 /// A cell this much finer than the bounds means that the spacing function is broken.
 constexpr int kMaxDepth = 28;
 
@@ -72,8 +75,7 @@ ActiveCells<K>::ActiveCells(const PackingProblem<K>& problem, bool lattice, cons
   for (std::uint32_t i = 0; i < spheres_.size(); ++i) all.spheres.push_back(i);
   for (std::uint32_t i = 0; i < balls_.size(); ++i) all.balls.push_back(i);
   Harvest harvest;
-  Cell root{{}, 0, problem.walls != nullptr, 0};
-  subdivide(root, all, harvest);
+  subdivide({{}, 0, problem.walls != nullptr ? kMixed : 0}, all, std::nullopt, harvest);
   cells_ = std::move(harvest.cells);
   place_lattice(harvest.points);
 }
@@ -101,13 +103,11 @@ Box<K> ActiveCells<K>::box_of(const Cell& cell) const {
 }
 
 template <int K>
-std::vector<typename ActiveCells<K>::Cell> ActiveCells<K>::children(const Cell& cell) const {
-  std::vector<Cell> result;
-  for (int c = 0; c < (1 << K); ++c) {
-    Cell child = cell;
-    ++child.level;
-    for (std::size_t k = 0; k < K; ++k) child.index[k] = 2 * cell.index[k] + ((c >> k) & 1);
-    result.push_back(child);
+auto ActiveCells<K>::children(const Cell& cell) -> std::array<Cell, std::size_t{1} << K> {
+  std::array<Cell, std::size_t{1} << K> result;
+  for (std::size_t c = 0; c < result.size(); ++c) {
+    result[c] = {cell.index, cell.level + 1, cell.region};
+    for (std::size_t k = 0; k < K; ++k) result[c].index[k] = 2 * cell.index[k] + static_cast<std::int32_t>(c >> k & 1U);
   }
   return result;
 }
@@ -115,8 +115,7 @@ std::vector<typename ActiveCells<K>::Cell> ActiveCells<K>::children(const Cell& 
 /// Finds out whether walls pass through the cell, and if not, which region holds it.
 template <int K>
 void ActiveCells<K>::locate(Cell& cell, const Box<K>& box) const {
-  if (!cell.mixed || problem_.meets_wall(box)) return;
-  cell.mixed = false;
+  if (!cell.is_mixed() || problem_.meets_wall(box)) return;
   cell.region = problem_.region_of(box.center());
 }
 
@@ -149,17 +148,18 @@ bool ActiveCells<K>::is_covered(const Obstacles& near, const Vec<K>& m, double r
 }
 
 template <int K>
-void ActiveCells<K>::subdivide(const Cell& cell, const Obstacles& parent, Harvest& out) const {
+void ActiveCells<K>::subdivide(const Cell& cell, const Obstacles& parent, std::optional<double> constant,
+                               Harvest& out) const {
   const Box<K> box = box_of(cell);
-  const Vec<K> m = box.center();
-  const double r = 0.5 * box.diagonal(), f = spacing_near(m), b = problem_.spacing.lipschitz;
   if (!box.overlaps(problem_.bounds)) return;
   Cell here = cell;
   locate(here, box);
-  if (!here.mixed && here.region < 0) return;
+  if (!here.is_mixed() && here.region < 0) return;
   // What a cell has outside the bounds is outside every region.
-  const Box<K> clipped(clamped(box.lo, problem_.bounds), clamped(box.hi, problem_.bounds));
-  const std::optional<double> constant = problem_.spacing.constant_on(clipped);
+  if (!constant)
+    constant = problem_.spacing.constant_on({clamped(box.lo, problem_.bounds), clamped(box.hi, problem_.bounds)});
+  const Vec<K> m = box.center();
+  const double r = 0.5 * box.diagonal(), f = constant ? *constant : spacing_near(m), b = problem_.spacing.lipschitz;
   const double f_lo = constant ? *constant : f - b * r, f_hi = constant ? *constant : f + b * r;
   const Obstacles obstacles = near(parent, box, f_hi);
   if (is_covered(obstacles, m, r, f)) return;
@@ -168,38 +168,41 @@ void ActiveCells<K>::subdivide(const Cell& cell, const Obstacles& parent, Harves
   if constexpr (K > 1)
     if (lattice_ && f_lo > 0) cls = lattice_->class_for(f_lo, f_hi);
   const double width = side(here.level);
-  const bool free = cls && !here.mixed && obstacles.spheres.empty() && obstacles.balls.empty() &&
+  const bool free = cls && !here.is_mixed() && obstacles.spheres.empty() && obstacles.balls.empty() &&
                     !problem_.breaks_far_rule(m, 2 * f_hi + r);
   const bool is_leaf = width <= 2 * f / std::sqrt(static_cast<double>(K)) || here.level >= kMaxDepth;
   if constexpr (K > 1) {
-    if (cls && (is_leaf || (free && width >= lattice_->side(*cls))))
+    if (cls && (is_leaf || free))
       lattice_->visit(*cls, box, [&](const Vec<K>& x) {
-        out.points.push_back({x, *cls, here.mixed ? kNoRegion : here.region, free});
+        out.points.push_back({x, *cls, here.is_mixed() ? kNoRegion : here.region, free});
       });
-    if (free && width >= lattice_->side(*cls)) return;
+    // Where an obstacle keeps a lattice point away from a free cell, the circumcenters fill the gap.
+    if (free) return;
   }
   if (is_leaf) {
     out.cells.push_back(here);
     return;
   }
-  const std::vector<Cell> parts = children(here);
+  const auto parts = children(here);
   if (here.level >= kParallelDepth) {
-    for (const Cell& child : parts) subdivide(child, obstacles, out);
+    for (const Cell& child : parts) subdivide(child, obstacles, constant, out);
     return;
   }
   observer_.check_cancelled();
   std::vector<Harvest> harvests(parts.size());
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) { subdivide(parts[i], obstacles, harvests[i]); });
-  for (const Harvest& h : harvests) {
+  tbb::parallel_for(std::size_t{0}, parts.size(),
+                    [&](std::size_t i) { subdivide(parts[i], obstacles, constant, harvests[i]); });
+  for (Harvest& h : harvests) {
     out.cells.insert(out.cells.end(), h.cells.begin(), h.cells.end());
     out.points.insert(out.points.end(), h.points.begin(), h.points.end());
+    h = Harvest{};
   }
 }
 
 /// The region of x in a cell, or a negative number where x is outside.
 template <int K>
 int ActiveCells<K>::region_at(const Cell& cell, const Vec<K>& x) const {
-  return cell.mixed ? problem_.region_of(x) : cell.region;
+  return cell.is_mixed() ? problem_.region_of(x) : cell.region;
 }
 
 /// Coarsest class first. Points of one class never conflict with each other, so those that pass the tests against what
@@ -234,25 +237,27 @@ void ActiveCells<K>::place_lattice(const std::vector<LatticePoint>& points) {
 template <int K>
 void ActiveCells<K>::throw_darts() {
   const std::uint64_t round = ++round_;
-  try_in_cells(round, [&](const Cell& cell, const Box<K>& box, std::uint64_t hash) {
-    Vec<K> x;
-    for (int k = 0; k < K; ++k) {
-      hash = mix64(hash + 0x9e3779b97f4a7c15ULL);
-      x[k] = box.lo[k] + to_unit(hash) * side(cell.level);
-    }
-    return x;
-  });
+  // Group by group: most darts of the later groups meet a sphere that is there already, which is cheaper than a rival.
+  for (std::uint32_t group = 0; group < kDartGroups; ++group)
+    try_in_cells(round, group, kDartGroups, [&](const Cell& cell, const Box<K>& box, std::uint64_t hash) {
+      Vec<K> x;
+      for (int k = 0; k < K; ++k) {
+        hash = mix64(hash + 0x9e3779b97f4a7c15ULL);
+        x[k] = box.lo[k] + to_unit(hash) * side(cell.level);
+      }
+      return x;
+    });
 }
 
 template <int K>
 void ActiveCells<K>::try_centers() {
-  const std::uint64_t round = ++round_;
-  try_in_cells(round, [&](const Cell&, const Box<K>& box, std::uint64_t) { return box.center(); });
+  try_in_cells(++round_, 0, 1, [&](const Cell&, const Box<K>& box, std::uint64_t) { return box.center(); });
 }
 
 template <int K>
 template <class Position>
-void ActiveCells<K>::try_in_cells(std::uint64_t round, Position&& position) {
+void ActiveCells<K>::try_in_cells(std::uint64_t round, std::uint32_t group, std::uint32_t n_groups,
+                                  Position&& position) {
   constexpr std::size_t kBlock = 4096;
   std::vector<std::vector<Candidate>> found((cells_.size() + kBlock - 1) / kBlock);
   parallel_for(
@@ -261,9 +266,10 @@ void ActiveCells<K>::try_in_cells(std::uint64_t round, Position&& position) {
         observer_.check_cancelled();
         for (std::size_t i = block * kBlock; i < std::min(cells_.size(), (block + 1) * kBlock); ++i) {
           const Cell& cell = cells_[i];
-          const Box<K> box = box_of(cell);
-          std::uint64_t hash = hash_words(problem_.seed, round, cell.level);
+          std::uint64_t hash = problem_.seed + (round << 32U) + static_cast<std::uint64_t>(cell.level);
           for (const std::int32_t k : cell.index) hash = mix64(hash ^ static_cast<std::uint32_t>(k));
+          if (hash % n_groups != group) continue;
+          const Box<K> box = box_of(cell);
           const Vec<K> x = position(cell, box, hash);
           if (!problem_.bounds.contains(x)) continue;
           const double f = problem_.spacing.at(x);
@@ -274,7 +280,10 @@ void ActiveCells<K>::try_in_cells(std::uint64_t round, Position&& position) {
       },
       1);
   std::vector<Candidate> candidates;
-  for (const auto& part : found) candidates.insert(candidates.end(), part.begin(), part.end());
+  for (auto& part : found) {
+    candidates.insert(candidates.end(), part.begin(), part.end());
+    part = {};
+  }
   join(candidates);
 }
 
@@ -304,16 +313,6 @@ bool ActiveCells<K>::is_covered(const Cell& cell) const {
 }
 
 template <int K>
-void ActiveCells<K>::prune() {
-  std::vector<std::uint8_t> covered(cells_.size());
-  parallel_for(cells_.size(), [&](std::size_t i) { covered[i] = is_covered(cells_[i]) ? 1 : 0; });
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < cells_.size(); ++i)
-    if (covered[i] == 0) cells_[kept++] = cells_[i];
-  cells_.resize(kept);
-}
-
-template <int K>
 void ActiveCells<K>::split() {
   constexpr std::size_t kBlock = 1024;
   std::vector<std::vector<Cell>> parts((cells_.size() + kBlock - 1) / kBlock);
@@ -326,7 +325,7 @@ void ActiveCells<K>::split() {
             const Box<K> box = box_of(child);
             if (!box.overlaps(problem_.bounds) || is_covered(child)) continue;
             locate(child, box);
-            if (child.mixed || child.region >= 0) parts[block].push_back(child);
+            if (child.is_mixed() || child.region >= 0) parts[block].push_back(child);
           }
         }
       },

@@ -31,8 +31,6 @@ class ActiveCells {
   void try_centers();
   /// Splits every active cell and drops the children that are covered or outside.
   void split();
-  /// Drops the cells that are covered, without splitting.
-  void prune();
 
   [[nodiscard]] std::size_t size() const { return cells_.size(); }
   /// Largest of (1 + b) r / f(m) over the cells: how far from a blocked point a point of a cell can be, relative to f.
@@ -48,11 +46,12 @@ class ActiveCells {
   [[nodiscard]] std::size_t first_new() const { return problem_.fixed.size() + problem_.foreign.size(); }
 
  private:
+  static constexpr std::int32_t kMixed = -2;
   struct Cell {
     std::array<std::int32_t, K> index;
-    std::int16_t level;
-    bool mixed;           ///< A wall may pass through.
-    std::int32_t region;  ///< If not mixed.
+    std::int32_t level;
+    std::int32_t region;  ///< kMixed if a wall may pass through.
+    [[nodiscard]] bool is_mixed() const { return region == kMixed; }
   };
   /// A sphere that would like to join.
   struct Candidate {
@@ -79,15 +78,15 @@ class ActiveCells {
   /// f at the point of the bounds nearest to x: cells stick out of the bounds.
   [[nodiscard]] double spacing_near(const Vec<K>& x) const;
   [[nodiscard]] Obstacles near(const Obstacles& from, const Box<K>& box, double f_max) const;
-  [[nodiscard]] std::vector<Cell> children(const Cell& cell) const;
+  [[nodiscard]] static std::array<Cell, std::size_t{1} << K> children(const Cell& cell);
   void locate(Cell& cell, const Box<K>& box) const;
-  void subdivide(const Cell& cell, const Obstacles& parent, Harvest& out) const;
+  void subdivide(const Cell& cell, const Obstacles& parent, std::optional<double> constant, Harvest& out) const;
   [[nodiscard]] bool is_covered(const Obstacles& near, const Vec<K>& m, double r, double f) const;
   [[nodiscard]] bool is_covered(const Cell& cell) const;
   [[nodiscard]] int region_at(const Cell& cell, const Vec<K>& x) const;
   void place_lattice(const std::vector<LatticePoint>& points);
   template <class Position>
-  void try_in_cells(std::uint64_t round, Position&& position);
+  void try_in_cells(std::uint64_t round, std::uint32_t group, std::uint32_t n_groups, Position&& position);
   void join(const std::vector<Candidate>& candidates);
 
   const PackingProblem<K>& problem_;

@@ -15,9 +15,6 @@ namespace voropack {
 
 namespace {
 
-/// Levels of darts before the circumcenters take over: fewer leave more work to the triangulation, more waste darts.
-constexpr int kDartLevels = 2;
-
 /// Adds circumcenters to a packing until none can be added: Voronoi maximality.
 template <int K>
 class Completion {
@@ -169,12 +166,9 @@ PackedInterior<K> pack_interior(const PackingProblem<K>& problem, bool want_tria
   const bool voronoi = problem.form == PackingForm::kVoronoi;
   ActiveCells<K> cells(problem, voronoi && problem.interior == Interior::kLattice, observer);
   if (voronoi && K > 1) {
-    for (int level = 0; level < kDartLevels && cells.size() > 0; ++level) {
-      if (level > 0) cells.split();
-      cells.throw_darts();
-      cells.prune();
-      cells.throw_darts();
-    }
+    // One dart into each cell fills most of them. The circumcenters find the places that are left more cheaply than
+    // further darts would.
+    cells.throw_darts();
   } else {
     fill_to_epsilon(cells, problem);
   }
