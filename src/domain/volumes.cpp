@@ -13,7 +13,8 @@ namespace voropack::domain_impl {
 
 namespace {
 
-constexpr int kMaxAttempts = 64;
+constexpr std::uint64_t kMaxAttempts = 64;  // Directions that are tried before the best of them is taken.
+constexpr double kReach = 3;                // A ray of so many diameters leaves the domain.
 
 class UnionFind {
  public:
@@ -142,104 +143,116 @@ std::vector<std::uint32_t> Volumes<D>::join_at_ridges(const std::vector<Fin>& fi
   return side_shell;
 }
 
+namespace {
+
+/// Twice (2D) or six times (3D) the signed measure between a simplex and the origin, positive for side 0: there the
+/// normal points into the volume.
+long double cone_measure(const std::array<Vec<2>, 2>& x) {
+  return static_cast<long double>(x[0][0]) * x[1][1] - static_cast<long double>(x[0][1]) * x[1][0];
+}
+long double cone_measure(const std::array<Vec<3>, 3>& x) {
+  long double det = 0;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    det += x[0][k] * (static_cast<long double>(x[1][i]) * x[2][j] - static_cast<long double>(x[1][j]) * x[2][i]);
+  }
+  return -det;
+}
+double size_of(const std::array<Vec<2>, 2>& x) { return norm(x[1] - x[0]); }
+double size_of(const std::array<Vec<3>, 3>& x) { return norm(cross(x[1] - x[0], x[2] - x[0])); }
+
+}  // namespace
+
 template <int D>
-void Volumes<D>::join_nested(const std::vector<std::uint32_t>& side_shell, std::size_t n_shells) {
-  // Signed measures: positive for the outer boundary of a volume, since there side 0 has its normal inwards.
+auto Volumes<D>::measure_shells(const std::vector<std::uint32_t>& side_shell, std::size_t n_shells) const
+    -> std::vector<Shell> {
   std::vector<Sum> sums(n_shells);
-  std::vector<std::uint32_t> largest(n_shells, kOutside);
-  std::vector<double> largest_size(n_shells, -1);
+  std::vector<Shell> shells(n_shells);
   const Vec<D> center = box_.center();
   for (std::uint32_t s = 0; s < walls_.simplices.size(); ++s) {
     std::array<Vec<D>, D> x;
     for (std::size_t i = 0; i < D; ++i) x[i] = walls_.points[walls_.simplices[s][i]] - center;
-    long double signed_measure = 0;
-    double size = 0;
-    if constexpr (D == 2) {
-      signed_measure = (static_cast<long double>(x[0][0]) * x[1][1] - static_cast<long double>(x[0][1]) * x[1][0]) / 2;
-      size = norm(x[1] - x[0]);
-    } else {
-      long double det = 0;
-      for (int k = 0; k < 3; ++k) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        det += x[0][k] * (static_cast<long double>(x[1][i]) * x[2][j] - static_cast<long double>(x[1][j]) * x[2][i]);
-      }
-      signed_measure = -det / 6;
-      size = norm(cross(x[1] - x[0], x[2] - x[0]));
-    }
+    const long double measure = cone_measure(x) / (D == 2 ? 2 : 6);
+    const double size = size_of(x);
     const std::size_t wall = walls_.simplex_wall[s];
     for (std::size_t side = 0; side < 2; ++side) {
       const std::uint32_t shell = side_shell[2 * wall + side];
-      if (size > largest_size[shell]) {
-        largest_size[shell] = size;
-        largest[shell] = s;
+      if (shells[shell].largest == kOutside || size > shells[shell].largest_size) {
+        shells[shell].largest_size = size;
+        shells[shell].largest = s;
       }
       if (side_shell[2 * wall] == side_shell[2 * wall + 1]) continue;  // Cancels.
-      sums[shell].add(side == 0 ? signed_measure : -signed_measure);
+      sums[shell].add(side == 0 ? measure : -measure);
     }
   }
+  for (std::size_t i = 0; i < n_shells; ++i) shells[i].measure = sums[i].value();
+  return shells;
+}
 
-  // A shell that is not the outer boundary of a volume has something around it: that is what a line through it meets
-  // next after leaving it for good.
-  UnionFind shells(n_shells + 1);
-  const auto outside = static_cast<std::uint32_t>(n_shells);
-  for (std::uint32_t shell = 0; shell < n_shells; ++shell) {
-    if (sums[shell].value() > 0) continue;
-    const auto& simplex = walls_.simplices[largest[shell]];
-    std::uint32_t joined = outside;
-    double best_gap = -1;
-    for (int attempt = 0; attempt < kMaxAttempts && best_gap < kRayGap; ++attempt) {
-      Random random(hash_words(shell, attempt));
-      Vec<D> start;
-      double total = 0;
-      for (std::size_t i = 0; i < D; ++i) {
-        const double weight = 0.2 + random.unit();
-        start += weight * walls_.points[simplex[i]];
-        total += weight;
-      }
-      start = start / total;
-      const Vec<D> reach = 3.0 * box_.diagonal() * direction(shell + 1, static_cast<std::uint64_t>(attempt));
-      const auto hits = crossings(start - reach, start + reach);
-      if (!hits) continue;
-      std::size_t last = hits->size();
-      for (std::size_t i = 0; i < hits->size(); ++i)
-        if (side_shell[2 * (*hits)[i].wall] == shell || side_shell[2 * (*hits)[i].wall + 1] == shell) last = i;
-      if (last == hits->size()) continue;
-      const Crossing& leave = (*hits)[last];
-      if (side_shell[2 * leave.wall + static_cast<std::size_t>(leave.far_side)] != shell) continue;
-      double gap = 1;
-      if (last > 0) gap = std::min(gap, leave.at - (*hits)[last - 1].at);
-      if (last + 1 < hits->size()) gap = std::min(gap, (*hits)[last + 1].at - leave.at);
-      if (last + 2 < hits->size()) gap = std::min(gap, (*hits)[last + 2].at - (*hits)[last + 1].at);
-      if (gap <= best_gap) continue;
-      best_gap = gap;
-      joined = outside;
-      if (last + 1 < hits->size()) {
-        const Crossing& next = (*hits)[last + 1];
-        joined = side_shell[2 * next.wall + static_cast<std::size_t>(1 - next.far_side)];
-      }
+template <int D>
+auto Volumes<D>::line_through(std::uint32_t simplex, std::uint64_t salt) const -> std::vector<Crossing> {
+  std::vector<Crossing> best;
+  double best_gap = -1;
+  for (std::uint64_t attempt = 0; attempt < kMaxAttempts && best_gap < kRayGap; ++attempt) {
+    Random random(hash_words(salt, attempt));
+    Vec<D> start;
+    double total = 0;
+    for (const std::uint32_t p : walls_.simplices[simplex]) {
+      const double weight = 0.2 + random.unit();
+      start += weight * walls_.points[p];
+      total += weight;
     }
-    shells.join(shell, joined);
+    start = start / total;
+    const Vec<D> reach = kReach * box_.diagonal() * direction(salt, attempt);
+    auto hits = crossings(start - reach, start + reach);
+    if (!hits || hits->empty()) continue;
+    double gap = 1;
+    for (std::size_t i = 0; i + 1 < hits->size(); ++i) gap = std::min(gap, (*hits)[i + 1].at - (*hits)[i].at);
+    if (gap <= best_gap) continue;
+    best_gap = gap;
+    best = std::move(*hits);
+  }
+  return best;
+}
+
+// The boundary of a volume is one shell around it, whose measure is positive, and one shell around each thing in it. A
+// line through such a thing goes on in the volume until it leaves it for good through the outer shell; whatever it
+// meets between belongs to other things in the same volume. So it is enough to join, along one line through each shell
+// that is not an outer one, the sides that face each other.
+template <int D>
+void Volumes<D>::join_nested(const std::vector<std::uint32_t>& side_shell, std::size_t n_shells) {
+  const std::vector<Shell> shells = measure_shells(side_shell, n_shells);
+  UnionFind joined(n_shells + 1);
+  const auto outside = static_cast<std::uint32_t>(n_shells);
+  const auto shell_at = [&](const Crossing& crossing, bool far) {
+    return side_shell[2 * crossing.wall + static_cast<std::size_t>(far ? crossing.far_side : 1 - crossing.far_side)];
+  };
+  for (std::uint32_t shell = 0; shell < n_shells; ++shell) {
+    if (shells[shell].measure > 0) continue;
+    std::uint32_t before = outside;
+    for (const Crossing& crossing : line_through(shells[shell].largest, shell + 1)) {
+      joined.join(before, shell_at(crossing, false));
+      before = shell_at(crossing, true);
+    }
+    joined.join(before, outside);
   }
 
   std::vector<std::uint32_t> volume_of_root(n_shells + 1, kOutside);
-  std::vector<Sum> volume_sums;
-  side_volume_.resize(side_shell.size());
+  std::vector<Sum> sums;
+  side_volume_.assign(side_shell.size(), kOutside);
   std::vector<char> added(n_shells, 0);
   for (std::size_t i = 0; i < side_shell.size(); ++i) {
-    const std::uint32_t shell = side_shell[i], root = shells.find(shell);
-    if (root == shells.find(outside)) {
-      side_volume_[i] = kOutside;
-      continue;
-    }
+    const std::uint32_t shell = side_shell[i], root = joined.find(shell);
+    if (root == joined.find(outside)) continue;
     if (volume_of_root[root] == kOutside) {
-      volume_of_root[root] = static_cast<std::uint32_t>(volume_sums.size());
-      volume_sums.emplace_back();
+      volume_of_root[root] = static_cast<std::uint32_t>(sums.size());
+      sums.emplace_back();
     }
     side_volume_[i] = volume_of_root[root];
-    if (added[shell] == 0) volume_sums[volume_of_root[root]].add(sums[shell].value());
+    if (added[shell] == 0) sums[volume_of_root[root]].add(shells[shell].measure);
     added[shell] = 1;
   }
-  for (const Sum& sum : volume_sums) measure_.push_back(sum.value());
+  for (const Sum& sum : sums) measure_.push_back(sum.value());
 }
 
 template <int D>
@@ -257,22 +270,21 @@ template <int D>
 auto Volumes<D>::crossings(const Vec<D>& p, const Vec<D>& q) const -> std::optional<std::vector<Crossing>> {
   std::vector<Crossing> found;
   bool degenerate = false;
+  // The ray against slabs, widened so that rounding loses nothing.
+  const double margin = absolute_tolerance(box_, kRayGap);
   const auto meets = [&](const Box<D>& box) {
-    // Slab test with a margin for rounding.
     double lo = 0, hi = 1;
-    const double margin = 1e-14 * (norm(p) + norm(q));
     for (int k = 0; k < D; ++k) {
       const double d = q[k] - p[k];
       if (d == 0) {
         if (p[k] < box.lo[k] - margin || p[k] > box.hi[k] + margin) return false;
         continue;
       }
-      double t0 = (box.lo[k] - margin - p[k]) / d, t1 = (box.hi[k] + margin - p[k]) / d;
-      if (t0 > t1) std::swap(t0, t1);
-      lo = std::max(lo, t0);
-      hi = std::min(hi, t1);
+      const double t0 = (box.lo[k] - margin - p[k]) / d, t1 = (box.hi[k] + margin - p[k]) / d;
+      lo = std::max(lo, std::min(t0, t1));
+      hi = std::min(hi, std::max(t0, t1));
     }
-    return lo <= hi + 1e-12;
+    return lo <= hi;
   };
   tree_.visit(meets, [&](std::uint32_t s) {
     std::array<Vec<D>, D> x;
@@ -311,8 +323,8 @@ auto Volumes<D>::crossings(const Vec<D>& p, const Vec<D>& q) const -> std::optio
 template <int D>
 std::optional<std::uint32_t> Volumes<D>::locate(const Vec<D>& x) const {
   if (!box_.contains(x)) return kOutside;
-  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
-    const Vec<D> end = x + 3.0 * box_.diagonal() * direction(0, static_cast<std::uint64_t>(attempt));
+  for (std::uint64_t attempt = 0; attempt < kMaxAttempts; ++attempt) {
+    const Vec<D> end = x + kReach * box_.diagonal() * direction(0, attempt);
     const auto hits = crossings(x, end);
     if (!hits) continue;
     if (hits->empty()) return kOutside;

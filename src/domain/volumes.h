@@ -63,7 +63,17 @@ class Volumes {
     int far_side = 0;
   };
 
+  /// Sides that are joined around ridges: a closed surface that faces one volume.
+  struct Shell {
+    long double measure = 0;  ///< Signed: positive if the shell is the outer boundary of a volume.
+    std::uint32_t largest = kOutside;
+    double largest_size = 0;
+  };
+
   std::vector<std::uint32_t> join_at_ridges(const std::vector<Fin>& fins) const;
+  std::vector<Shell> measure_shells(const std::vector<std::uint32_t>& side_shell, std::size_t n_shells) const;
+  /// All crossings of a generic line through a simplex, from outside to outside.
+  std::vector<Crossing> line_through(std::uint32_t simplex, std::uint64_t salt) const;
   void join_nested(const std::vector<std::uint32_t>& side_shell, std::size_t n_shells);
   /// All crossings of the segment pq, sorted; nothing if it touches an edge or starts on a wall.
   std::optional<std::vector<Crossing>> crossings(const Vec<D>& p, const Vec<D>& q) const;

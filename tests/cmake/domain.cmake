@@ -1,1 +1,4 @@
 voropack_test(domain_test unit/domain_test.cpp)
+voropack_test(domain_faults_test unit/domain_faults_test.cpp)
+voropack_test(domain_property_test property/domain_property_test.cpp)
+voropack_test(domain_data_test property/domain_data_test.cpp)
