@@ -54,16 +54,12 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::write(std::string_view bytes) {
-  position_ += bytes.size();
-  if (buffer_.size() + bytes.size() <= kBufferBytes) {
-    buffer_ += bytes;
-    return;
-  }
-  flush();
-  if (bytes.size() >= kBufferBytes)
-    write_out(bytes, position_ - bytes.size());
+  if (buffer_.size() + bytes.size() > kBufferBytes) flush();
+  if (bytes.size() > kBufferBytes)
+    write_out(bytes, position_);
   else
     buffer_ += bytes;
+  position_ += bytes.size();
 }
 
 void AtomicFile::overwrite(std::uint64_t position, std::string_view bytes) {

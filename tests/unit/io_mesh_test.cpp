@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "io/atomic_file.h"
 #include "support/grid_mesh.h"
 #include "support/shared_data.h"
 #include "support/small_meshes.h"
@@ -154,10 +155,14 @@ TEST(VtuMesh, RoundTripKeepsEverything) {
   EXPECT_EQ(read_as<2>(folder / "square.vtu"), square_mesh());
   write_mesh(two_tetrahedra(), folder / "pair.vtu");
   EXPECT_EQ(read_as<3>(folder / "pair.vtu"), two_tetrahedra());
-  // Several compressed blocks in an array.
-  const Mesh<3> grid = test::grid_mesh<3>(20);
+  // Several compressed blocks in an array, several megabytes of text.
+  Mesh<3> grid = test::grid_mesh<3>(26);
+  for (Vec<3>& p : grid.points) p += 1e-3 * Vec<3>{std::sin(1e4 * p[1]), std::sin(1e4 * p[2]), std::sin(1e4 * p[0])};
   write_mesh(grid, folder / "grid.vtu");
-  EXPECT_EQ(read_as<3>(folder / "grid.vtu"), grid);
+  EXPECT_TRUE(read_as<3>(folder / "grid.vtu") == grid);
+  write_mesh(grid, folder / "grid.node");
+  grid.vertex_carrier_dimension.clear();
+  EXPECT_TRUE(read_as<3>(folder / "grid.node") == grid);
 }
 
 const std::string kTextVtu =
@@ -245,6 +250,25 @@ TEST(Writing, LeavesNothingWhenItFails) {
   EXPECT_EQ(fault_of([&] { write_text("x", folder / "file" / "below"); }).id, "io.cannot_write");
   EXPECT_EQ(fault_of([&] { write_mesh(square_mesh(), folder / "a.xyz"); }).id, "io.unknown_format");
   EXPECT_EQ(folder.n_entries(), 2U);
+}
+
+TEST(Writing, PiecesOfAnySizeEndUpInOrder) {
+  // Pieces below, at and above the size of the buffer (1 MiB), mixed.
+  const TemporaryFolder folder;
+  std::string expected;
+  io::AtomicFile file(folder / "a");
+  for (const std::size_t size : {700'000U, 700'000U, 1U, 3'000'000U, 5U, 1U << 20U, 400'000U}) {
+    const std::string piece(size, static_cast<char>('a' + expected.size() % 26));
+    file.write(piece);
+    expected += piece;
+    EXPECT_EQ(file.position(), expected.size());
+  }
+  file.overwrite(699'999, "XY");
+  expected.replace(699'999, 2, "XY");
+  file.write("end");
+  file.finish();
+  file.rename();
+  EXPECT_TRUE(folder.read("a") == expected + "end");
 }
 
 TEST(Writing, AFullDiskIsReported) {
