@@ -50,30 +50,34 @@ std::array<Vec<D>, D> positions(const Mesh<D>& mesh, const std::array<VertexId, 
   return p;
 }
 
-/// Writes the shares of the faces that s answers for: those to no simplex, to another region, or to a later simplex.
-template <int D>
-ShareStatistics compute_shares_of(const Mesh<D>& mesh, SimplexId s, Shares<D>& shares) {
-  ShareStatistics statistics;
-  for (int i = 0; i <= D; ++i) {
-    const auto corner = static_cast<std::size_t>(i);
-    const SimplexId t = neighbor_in_region(mesh, s, i);
-    if (!t.is_none() && t < s) continue;
-    const std::array<Vec<D>, D> face = positions<D>(mesh, face_vertices(mesh, s, i));
-    const Vec<D>& above = mesh.points[mesh.simplex_vertices[s][corner]];
-    FaceWeight weight;
-    if (t.is_none()) {
-      weight = boundary_weight<D>(face, above);
-      shares[s][corner] = weight.value;
-    } else {
-      const auto mirror = static_cast<std::size_t>(mirror_corner(mesh, s, t, i));
-      weight = interior_weight<D>(face, above, mesh.points[mesh.simplex_vertices[t][mirror]]);
-      shares[s][corner] = 0.5 * weight.value;
-      shares[t][mirror] = 0.5 * weight.value;
-    }
-    if (std::isnan(weight.value)) throw_degenerate(s, t, {above.coord.begin(), above.coord.end()});
-    statistics = statistics + ShareStatistics{weight.beyond_double ? 1U : 0U, weight.value >= 0};
+/// Writes the share of the face opposite to corner I of s if s answers for it: if it leads to no simplex, to another
+/// region, or to a later simplex.
+template <int D, std::size_t I>
+void compute_share(const Mesh<D>& mesh, SimplexId s, Shares<D>& shares, ShareStatistics& statistics) {
+  const SimplexId t = neighbor_in_region(mesh, s, I);
+  if (!t.is_none() && t < s) return;
+  const auto& vertices = mesh.simplex_vertices[s];
+  const std::array<Vec<D>, D> face = positions<D>(mesh, face_vertices<D, I>(vertices));
+  const Vec<D>& above = mesh.points[vertices[I]];
+  FaceWeight weight;
+  if (t.is_none()) {
+    weight = boundary_weight<D>(face, above);
+    shares[s][I] = weight.value;
+  } else {
+    const auto mirror = static_cast<std::size_t>(mirror_corner(mesh, s, t, I));
+    weight = interior_weight<D>(face, above, mesh.points[mesh.simplex_vertices[t][mirror]]);
+    shares[s][I] = 0.5 * weight.value;
+    shares[t][mirror] = 0.5 * weight.value;
   }
-  return statistics;
+  if (std::isnan(weight.value)) throw_degenerate(s, t, {above.coord.begin(), above.coord.end()});
+  statistics.n_beyond_double += weight.beyond_double ? 1U : 0U;
+  statistics.conforming &= weight.value >= 0;
+}
+
+template <int D>
+void compute_shares_of(const Mesh<D>& mesh, SimplexId s, Shares<D>& shares, ShareStatistics& statistics) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) { (compute_share<D, I>(mesh, s, shares, statistics), ...); }
+  (std::make_index_sequence<D + 1>{});
 }
 
 template <int D>
@@ -84,8 +88,7 @@ ShareStatistics compute_shares(const Mesh<D>& mesh, Observer& observer, Shares<D
       [&](std::size_t begin, std::size_t end) {
         observer.check_cancelled();
         ShareStatistics statistics;
-        for (std::size_t s = begin; s != end; ++s)
-          statistics = statistics + compute_shares_of(mesh, SimplexId(s), shares);
+        for (std::size_t s = begin; s != end; ++s) compute_shares_of(mesh, SimplexId(s), shares, statistics);
         return statistics;
       },
       [](const ShareStatistics& a, const ShareStatistics& b) { return a + b; });
@@ -93,12 +96,12 @@ ShareStatistics compute_shares(const Mesh<D>& mesh, Observer& observer, Shares<D
 
 /// One edge (i, j) in one region while the simplices around i are visited.
 struct EdgeSum {
+  double sum = 0;     ///< 4 A / h in 3D, A / h in 2D.
+  double shares = 0;  ///< Sum of the magnitudes of the shares in it.
   VertexId other;
   int region = 0;
   std::uint32_t next = 0;  ///< The next entry with the same `other`, or kNoEntry.
   std::uint32_t n_terms = 0;
-  double sum = 0;        ///< 4 A / h in 3D, A / h in 2D.
-  double magnitude = 0;  ///< Sum of the terms' magnitudes before any cancellation.
 };
 
 constexpr std::uint32_t kNoEntry = static_cast<std::uint32_t>(-1);
@@ -112,7 +115,7 @@ class EdgeTable {
     std::uint32_t& first = first_[other];
     for (std::uint32_t e = first; e != kNoEntry; e = entries_[e].next)
       if (entries_[e].region == region) return entries_[e];
-    entries_.push_back({other, region, first});
+    entries_.push_back({.other = other, .region = region, .next = first});
     first = static_cast<std::uint32_t>(entries_.size() - 1);
     return entries_.back();
   }
@@ -133,43 +136,32 @@ class EdgeTable {
   std::vector<EdgeSum> entries_, taken_;
 };
 
-/// u.v with both measured from p, and the sum of the magnitudes of its terms.
-struct DotTerm {
-  double value, magnitude;
-};
-
-DotTerm dot_from(const Vec<3>& p, const Vec<3>& a, const Vec<3>& b) {
-  const Vec<3> u = a - p, v = b - p;
-  const double x = u[0] * v[0], y = u[1] * v[1], z = u[2] * v[2];
-  return {x + y + z, std::abs(x) + std::abs(y) + std::abs(z)};
-}
-
 /// Adds what simplex s contributes to its edges from vertex i to later vertices. Returns the longest squared distance
 /// from i to a corner.
 double add_simplex(const Mesh<3>& mesh, const Shares<3>& shares, SimplexId s, VertexId i, EdgeTable& table) {
   const auto& vertices = mesh.simplex_vertices[s];
+  const auto& share = shares[s];
   const int region = mesh.simplex_region[s];
-  std::size_t own = 0;
-  while (vertices[own] != i) ++own;
-  std::array<Vec<3>, 4> p;
-  for (std::size_t k = 0; k < 4; ++k) p[k] = mesh.points[vertices[k]];
-  double reach_sq = 0;
-  for (std::size_t j = 0; j < 4; ++j) {
-    if (j == own) continue;
-    reach_sq = std::max(reach_sq, distance_sq(p[own], p[j]));
-    if (vertices[j] < i) continue;
-    EdgeSum& edge = table.at(vertices[j], region);
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (k == own || k == j) continue;
-      // The face (i, j, k) is opposite to the fourth corner.
-      const double share = shares[s][6 - own - j - k];
-      const DotTerm term = dot_from(p[k], p[own], p[j]);
-      edge.sum += term.value * share;
-      edge.magnitude += term.magnitude * std::abs(share);
-      ++edge.n_terms;
-    }
-  }
-  return reach_sq;
+  const std::size_t own = vertices[0] == i ? 0 : vertices[1] == i ? 1 : vertices[2] == i ? 2 : 3;
+  const std::array<std::size_t, 3> corner = {(own + 1) & 3U, (own + 2) & 3U, (own + 3) & 3U};
+  const Vec<3>& origin = mesh.points[i];
+  const Vec<3>&p0 = mesh.points[vertices[corner[0]]], &p1 = mesh.points[vertices[corner[1]]],
+        &p2 = mesh.points[vertices[corner[2]]];
+  const Vec<3> from0 = origin - p0, from1 = origin - p1, from2 = origin - p2;
+  const Vec<3> edge01 = p1 - p0, edge12 = p2 - p1, edge20 = p0 - p2;
+  // The face (i, j, k) is opposite to the third of the other corners, l; its product is that of i - k and j - k.
+  const auto add = [&](std::size_t j, std::size_t k, std::size_t l, double dot_k, double dot_l) {
+    if (vertices[corner[j]] < i) return;
+    EdgeSum& edge = table.at(vertices[corner[j]], region);
+    const double share_k = share[corner[l]], share_l = share[corner[k]];
+    edge.sum += dot_k * share_k + dot_l * share_l;
+    edge.shares += std::abs(share_k) + std::abs(share_l);
+    edge.n_terms += 2;
+  };
+  add(0, 1, 2, -dot(from1, edge01), dot(from2, edge20));
+  add(1, 2, 0, -dot(from2, edge12), dot(from0, edge01));
+  add(2, 0, 1, -dot(from0, edge20), dot(from1, edge12));
+  return std::max({norm_sq(from0), norm_sq(from1), norm_sq(from2)});
 }
 
 double add_simplex(const Mesh<2>& mesh, const Shares<2>& shares, SimplexId s, VertexId i, EdgeTable& table) {
@@ -181,7 +173,7 @@ double add_simplex(const Mesh<2>& mesh, const Shares<2>& shares, SimplexId s, Ve
     EdgeSum& edge = table.at(vertices[j], mesh.simplex_region[s]);
     const double share = shares[s][3 - own - j];
     edge.sum += share;
-    edge.magnitude += std::abs(share);
+    edge.shares += std::abs(share);
     ++edge.n_terms;
   }
   return 0;
@@ -227,9 +219,11 @@ double exact_sum(const Mesh<3>& mesh, std::span<const SimplexId> simplices, Vert
 /// 4 A / h, with the sign of the exact value. `reach` bounds the distances from i to the corners around it.
 double resolve_sum(const Mesh<3>& mesh, std::span<const SimplexId> simplices, VertexId i, const EdgeSum& edge,
                    double reach, bool conforming) {
-  // Per term: |dot| <= 4 reach L and the share's error is at most kFaceWeightError / L; then the rounding of the sum.
-  const double error = edge.n_terms * (4 * kFaceWeightError * reach + 0x1.0p-53 * (8 + edge.n_terms) * edge.magnitude);
-  if (std::abs(edge.sum) > error || edge.magnitude == 0) return edge.sum;
+  // Per term: the share errs by at most kFaceWeightError / L and |dot_k| <= 4 reach L; the product of |i - k| <= reach
+  // and |j - k| <= 2 reach errs by at most 10u reach^2; and the sum by n u of its terms.
+  const double rounding = 0x1.0p-53 * (10 + 2 * edge.n_terms) * reach * reach * edge.shares;
+  const double error = 4 * kFaceWeightError * reach * edge.n_terms + rounding;
+  if (std::abs(edge.sum) > error || edge.shares == 0) return edge.sum;
   // Areas of a conforming mesh are not negative, and this one is below the accuracy that is promised.
   if (conforming) return std::max(edge.sum, 0.0);
   return exact_sum(mesh, simplices, i, edge);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "geom/expansion.h"
 #include "geom/number_vec.h"
@@ -32,11 +33,49 @@ using Face = std::array<Vec<D>, D>;
 template <int D, std::size_t N>
 using Apexes = std::array<Vec<D>, N>;
 
-/// q = numerator / (2 above below).
-template <class S>
+/// q = numerator / (2 above below), and the squared lengths |b|^2, |c|^2, |d|^2, |e|^2 that bound the errors (those
+/// that there are).
+template <class S, std::size_t N>
 struct Quotient {
   S numerator, above, below;
+  std::array<S, N> length_sq;
 };
+
+template <class S>
+auto quotient(const Face<3>& face, const Apexes<3, 2>& apex) {
+  const auto b = difference<S>(face[1], face[0]), c = difference<S>(face[2], face[0]);
+  const auto d = difference<S>(apex[0], face[0]), e = difference<S>(apex[1], face[0]);
+  const auto n = cross<S>(b, c), w = cross<S>(d, e);
+  const S o_d = dot<S>(n, d), o_e = dot<S>(n, e);
+  const S bb = dot<S>(b, b), cc = dot<S>(c, c), dd = dot<S>(d, d), ee = dot<S>(e, e);
+  return Quotient<S, 4>{(ee * o_d - dd * o_e) + (cc * dot<S>(b, w) - bb * dot<S>(c, w)), o_d, -o_e, {bb, cc, dd, ee}};
+}
+
+template <class S>
+auto quotient(const Face<2>& face, const Apexes<2, 2>& apex) {
+  const auto b = difference<S>(face[1], face[0]);
+  const auto d = difference<S>(apex[0], face[0]), e = difference<S>(apex[1], face[0]);
+  const S o_d = cross<S>(b, d), o_e = cross<S>(b, e);
+  const S bb = dot<S>(b, b), dd = dot<S>(d, d), ee = dot<S>(e, e);
+  return Quotient<S, 3>{(ee * o_d - dd * o_e) + bb * cross<S>(d, e), o_d, -o_e, {bb, dd, ee}};
+}
+
+template <class S>
+auto quotient(const Face<3>& face, const Apexes<3, 1>& apex) {
+  const auto b = difference<S>(face[1], face[0]), c = difference<S>(face[2], face[0]);
+  const auto d = difference<S>(apex[0], face[0]);
+  const auto n = cross<S>(b, c);
+  const auto cn = cross<S>(c, n), nb = cross<S>(n, b);
+  const S bb = dot<S>(b, b), cc = dot<S>(c, c), dd = dot<S>(d, d), nn = dot<S>(n, n);
+  return Quotient<S, 3>{dd * nn - (bb * dot<S>(d, cn) + cc * dot<S>(d, nb)), dot<S>(n, d), nn, {bb, cc, dd}};
+}
+
+template <class S>
+auto quotient(const Face<2>& face, const Apexes<2, 1>& apex) {
+  const auto b = difference<S>(face[1], face[0]), d = difference<S>(apex[0], face[0]);
+  const S bb = dot<S>(b, b), dd = dot<S>(d, d);
+  return Quotient<S, 2>{dd - dot<S>(b, d), cross<S>(b, d), S(1.0), {bb, dd}};
+}
 
 /// Squares of bounds of the absolute errors of a Quotient's numbers, in units of the arithmetic's relative error.
 struct QuotientBound {
@@ -44,71 +83,32 @@ struct QuotientBound {
   double edge_sq;  ///< L^2 of FaceWeight.
 };
 
-template <class S>
-Quotient<S> quotient(const Face<3>& face, const Apexes<3, 2>& apex) {
-  const auto b = difference<S>(face[1], face[0]), c = difference<S>(face[2], face[0]);
-  const auto d = difference<S>(apex[0], face[0]), e = difference<S>(apex[1], face[0]);
-  const auto n = cross<S>(b, c), w = cross<S>(d, e);
-  const S o_d = dot<S>(n, d), o_e = dot<S>(n, e);
-  return {(dot<S>(e, e) * o_d - dot<S>(d, d) * o_e) + (dot<S>(c, c) * dot<S>(b, w) - dot<S>(b, b) * dot<S>(c, w)), o_d,
-          -o_e};
-}
-
-template <class S>
-Quotient<S> quotient(const Face<2>& face, const Apexes<2, 2>& apex) {
-  const auto b = difference<S>(face[1], face[0]);
-  const auto d = difference<S>(apex[0], face[0]), e = difference<S>(apex[1], face[0]);
-  const S o_d = cross<S>(b, d), o_e = cross<S>(b, e);
-  return {(dot<S>(e, e) * o_d - dot<S>(d, d) * o_e) + dot<S>(b, b) * cross<S>(d, e), o_d, -o_e};
-}
-
-template <class S>
-Quotient<S> quotient(const Face<3>& face, const Apexes<3, 1>& apex) {
-  const auto b = difference<S>(face[1], face[0]), c = difference<S>(face[2], face[0]);
-  const auto d = difference<S>(apex[0], face[0]);
-  const auto n = cross<S>(b, c);
-  const auto cn = cross<S>(c, n), nb = cross<S>(n, b);
-  const S nn = dot<S>(n, n);
-  return {dot<S>(d, d) * nn - (dot<S>(b, b) * dot<S>(d, cn) + dot<S>(c, c) * dot<S>(d, nb)), dot<S>(n, d), nn};
-}
-
-template <class S>
-Quotient<S> quotient(const Face<2>& face, const Apexes<2, 1>& apex) {
-  const auto b = difference<S>(face[1], face[0]), d = difference<S>(apex[0], face[0]);
-  return {dot<S>(d, d) - dot<S>(b, d), cross<S>(b, d), S(1.0)};
-}
-
 constexpr double square(double x) { return x * x; }
 
 // The factors are derived in docs/theory/dual.md, "Error bounds", and rounded up for the rounding of the bounds.
-QuotientBound error_bound(const Face<3>& face, const Apexes<3, 2>& apex) {
-  const double b = distance_sq(face[1], face[0]), c = distance_sq(face[2], face[0]);
-  const double d = distance_sq(apex[0], face[0]), e = distance_sq(apex[1], face[0]);
+inline QuotientBound error_bound(const Face<3>&, double b, double c, double d, double e) {
   const double bc = b * c;
   return {square(40) * (bc * (d * e) * (b + c + d + e)), square(12) * (bc * d), square(12) * (bc * e), std::max(b, c)};
 }
 
-QuotientBound error_bound(const Face<2>& face, const Apexes<2, 2>& apex) {
-  const double b = distance_sq(face[1], face[0]);
-  const double d = distance_sq(apex[0], face[0]), e = distance_sq(apex[1], face[0]);
+inline QuotientBound error_bound(const Face<2>&, double b, double d, double e) {
   return {square(24) * (b * (d * e) * (b + d + e)), square(6) * (b * d), square(6) * (b * e), b};
 }
 
-QuotientBound error_bound(const Face<3>& face, const Apexes<3, 1>& apex) {
-  const double b = distance_sq(face[1], face[0]), c = distance_sq(face[2], face[0]);
-  const double d = distance_sq(apex[0], face[0]);
+inline QuotientBound error_bound(const Face<3>&, double b, double c, double d) {
   const double bc = b * c;
   return {square(48) * (bc * bc * (d * (b + c + d))), square(12) * (bc * d), square(20 * bc), std::max(b, c)};
 }
 
-QuotientBound error_bound(const Face<2>& face, const Apexes<2, 1>& apex) {
-  const double b = distance_sq(face[1], face[0]), d = distance_sq(apex[0], face[0]);
+inline QuotientBound error_bound(const Face<2>&, double b, double d) {
   return {square(10) * (d * (b + d)), square(6) * (b * d), 0, b};
 }
 
 /// q if the bounds certify its sign and its size; NaN otherwise, also after an overflow or underflow.
-template <class S>
-double certified(const Quotient<S>& q, const QuotientBound& bound, double unit) {
+template <class FaceType, class S, std::size_t N>
+inline double certified(const FaceType& face, const Quotient<S, N>& q, double unit) {
+  const QuotientBound bound =
+      std::apply([&](const auto&... x) { return error_bound(face, to_double(x)...); }, q.length_sq);
   const double numerator = to_double(q.numerator), above = to_double(q.above), below = to_double(q.below);
   const double unit_sq = unit * unit;
   const double numerator_sq = unit_sq * bound.numerator_sq;
@@ -127,7 +127,8 @@ double certified(const Quotient<S>& q, const QuotientBound& bound, double unit) 
 }
 
 /// The quotient of exact numbers. NaN if a simplex is not on its side of the face.
-Dd divide(const Quotient<Expansion>& q) {
+template <std::size_t N>
+Dd divide(const Quotient<Expansion, N>& q) {
   if (sign(q.above) <= 0 || sign(q.below) <= 0) return kNan;
   return q.numerator.approximate() / (Dd(2.0) * q.above.approximate() * q.below.approximate());
 }
@@ -147,13 +148,18 @@ struct Scaled {
 };
 
 template <int D, std::size_t N>
-FaceWeight weight(const Face<D>& face, const Apexes<D, N>& apex) {
-  const double fast = certified(quotient<double>(face, apex), error_bound(face, apex), kUnit);
-  if (!std::isnan(fast)) return {fast, false};
+[[gnu::noinline]] FaceWeight careful_weight(const Face<D>& face, const Apexes<D, N>& apex) {
   const Scaled<D, N> unit(face, apex);
-  double value = certified(quotient<Dd>(unit.face, unit.apex), error_bound(unit.face, unit.apex), kDdUnit);
+  double value = certified(unit.face, quotient<Dd>(unit.face, unit.apex), kDdUnit);
   if (std::isnan(value)) value = to_double(divide(quotient<Expansion>(unit.face, unit.apex)));
   return {value * unit.scale, true};
+}
+
+template <int D, std::size_t N>
+inline FaceWeight weight(const Face<D>& face, const Apexes<D, N>& apex) {
+  const double fast = certified(face, quotient<double>(face, apex), kUnit);
+  if (!std::isnan(fast)) return {fast, false};
+  return careful_weight<D>(face, apex);
 }
 
 template <int D, std::size_t N>

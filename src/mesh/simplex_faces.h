@@ -24,6 +24,14 @@ std::array<VertexId, D> face_vertices(const Mesh<D>& mesh, SimplexId s, int i) {
   return face;
 }
 
+/// The same with the corner known at compile time.
+template <int D, std::size_t I>
+std::array<VertexId, D> face_vertices(const std::array<VertexId, D + 1>& simplex) {
+  std::array<VertexId, D> face;
+  for (std::size_t k = 0; k < D; ++k) face[k] = simplex[static_cast<std::size_t>(kFaceCorners<D>[I][k])];
+  return face;
+}
+
 /// The neighbor across the face opposite to corner i if it lies in the same region; none where the region ends.
 ///
 /// An internal facet with one region on both sides does not end the region: the two parts of a dual edge that it cuts
