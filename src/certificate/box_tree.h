@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -54,21 +55,26 @@ class BoxTree {
   [[nodiscard]] double leaf_weight(std::size_t leaf) const { return weight_[n_leaves() - 1 + leaf]; }
 
   /// Depth first: enter(box, weight) says whether a node is of interest, leaf(begin, end) gets positions in `order`.
+  /// Leaves before `first` are left out.
   template <class Enter, class Leaf>
-  void visit(const Enter& enter, const Leaf& leaf) const {
+  void visit(const Enter& enter, const Leaf& leaf, std::size_t first = 0) const {
     if (n_ == 0) return;
-    std::uint64_t stack[64];
-    int top = 0;
-    stack[top++] = 0;
-    const std::size_t first_leaf = n_leaves() - 1;
+    struct Entry {
+      std::size_t node;
+      int level;
+    };
+    std::array<Entry, 64> stack;
+    std::size_t top = 0;
+    stack[top++] = {0, 0};
     while (top > 0) {
-      const std::size_t node = stack[--top];
-      if (!enter(box_[node], weight_[node])) continue;
-      if (node >= first_leaf) {
-        leaf(leaf_begin(node - first_leaf), leaf_begin(node - first_leaf + 1));
+      const auto [node, level] = stack[--top];
+      const std::size_t last_leaf = ((node + 2 - (std::size_t{1} << level)) << (depth_ - level)) - 1;
+      if (last_leaf < first || !enter(box_[node], weight_[node])) continue;
+      if (level == depth_) {
+        leaf(leaf_begin(last_leaf), leaf_begin(last_leaf + 1));
       } else {
-        stack[top++] = 2 * node + 2;
-        stack[top++] = 2 * node + 1;
+        stack[top++] = {2 * node + 2, level + 1};
+        stack[top++] = {2 * node + 1, level + 1};
       }
     }
   }

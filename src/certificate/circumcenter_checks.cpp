@@ -15,6 +15,9 @@ constexpr double kSlack = 1e-9;
 /// A circumcenter beyond a boundary face by less than this part of its radius lies on it, up to rounding.
 constexpr double kOnFace = 1e-9;
 
+/// Barycentric coordinates above minus this are those of a point in the simplex: a walk has arrived.
+constexpr double kInside = 1e-12;
+
 /// Largest radius-edge ratio to accept where the theory gives no bound.
 constexpr double kPracticalRadiusEdge = 2.5;
 
@@ -127,13 +130,12 @@ class CircumcenterPass {
     Vec<D> start;
     for (const Vec<D>& corner : p) start += corner / (D + 1);
     std::size_t here = s;
-    Barycentric<D> end = barycentric<D>(p, ball.center);
+    double coordinate = ball.barycentric[static_cast<std::size_t>(exit)];
     constexpr int kMaxSteps = 100'000;
     for (int step = 0; step < kMaxSteps; ++step) {
-      if (topology_.on_boundary(here, exit) || topology_.neighbor(here, exit) == kNone) {
-        const auto e = static_cast<std::size_t>(exit);
-        const double coordinate = step == 0 ? ball.barycentric[e] : end.coordinate[e];
-        const double beyond = -coordinate * end.height[e];
+      const std::uint32_t next = topology_.neighbor(here, exit);
+      if (topology_.on_boundary(here, exit) || next == kNone) {
+        const double beyond = -coordinate * height<D>(topology_.corners(here), static_cast<std::size_t>(exit));
         const double figure = beyond / ball.radius;
         if (beyond > kOnFace * ball.radius + ball.error) {
           tally.violation(kBeyondFace, figure, id, static_cast<std::uint32_t>(here), static_cast<std::uint32_t>(exit));
@@ -142,22 +144,19 @@ class CircumcenterPass {
         tally.legal(figure, id, static_cast<std::uint32_t>(here));
         return true;
       }
-      const std::size_t next = topology_.neighbor(here, exit);
-      const int entry = topology_.corner_towards(static_cast<std::uint32_t>(next), here);
+      const int entry = topology_.corner_towards(next, here);
       here = next;
-      const std::array<Vec<D>, D + 1> q = topology_.corners(here);
-      end = barycentric<D>(q, ball.center);
-      const Barycentric<D> from = barycentric<D>(q, start);
+      const auto [from, end] = barycentric<D>(topology_.corners(here), start, ball.center);
       exit = -1;
       double first = std::numeric_limits<double>::infinity();
       for (int i = 0; i <= D; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        // Beyond the face by rounding only: the walk has arrived.
-        if (i == entry || !(end.coordinate[k] * end.height[k] < -ball.error)) continue;
-        const double at = from.coordinate[k] > 0 ? from.coordinate[k] / (from.coordinate[k] - end.coordinate[k]) : 0;
+        if (i == entry || !(end[k] < -kInside)) continue;
+        const double at = from[k] > 0 ? from[k] / (from[k] - end[k]) : 0;
         if (at < first) {
           first = at;
           exit = i;
+          coordinate = end[k];
         }
       }
       if (exit < 0) {

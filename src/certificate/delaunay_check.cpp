@@ -37,76 +37,111 @@ void test_simplex(const Subject<D>& subject, std::size_t s, Tally& tally) {
   }
 }
 
-/// Where a line enters (+1) or leaves (-1) the mesh through a hull face.
-struct Crossing {
-  double at;
-  int step;
+/// A straight line that is followed through the mesh.
+template <int D>
+struct Line {
+  Vec<D> point;
+  Vec<D> direction;  ///< Of length 1.
+  std::uint32_t simplex = 0;
 };
 
-/// The part of the line from x along `direction` that is covered twice or less than zero times.
-///
-/// The number of simplices over a point of the line is the sum of steps before it, if neighbors are mutual and all
-/// simplices positive: it changes only at hull faces. Faces that the line hits on an edge, up to rounding, spoil the
-/// count, which then does not return to 0 at the end: such a line says nothing.
-template <int D>
-double wrongly_covered(const Subject<D>& subject, const Vec<D>& x, const Vec<D>& direction) {
-  std::vector<Crossing> crossings;
-  for (const BoundaryFace<D>& face : subject.topology.boundary()) {
-    if (face.n_sides() != 1) continue;
-    const std::uint32_t inside = subject.mesh.simplex_vertices[SimplexId(face.simplex[0])][face.corner[0]].value();
-    if constexpr (D == 2) {
-      const Vec<2> a = subject.point(face.vertices[0]) - x, b = subject.point(face.vertices[1]) - x;
-      const double sa = cross(direction, a), sb = cross(direction, b);
-      if ((sa > 0) == (sb > 0)) continue;
-      const Vec<2> hit = a + (sa / (sa - sb)) * (b - a);
-      const double side = cross(b - a, subject.point(inside) - x - a);
-      crossings.push_back({dot(hit, direction), (cross(b - a, direction) > 0) == (side > 0) ? 1 : -1});
-    } else {
-      const Vec<3> a = subject.point(face.vertices[0]) - x;
-      const Vec<3> b = subject.point(face.vertices[1]) - x;
-      const Vec<3> c = subject.point(face.vertices[2]) - x;
-      const double sa = dot(direction, cross(b, c)), sb = dot(direction, cross(c, a)), sc = dot(direction, cross(a, b));
-      if ((sa > 0) != (sb > 0) || (sb > 0) != (sc > 0)) continue;
-      const Vec<3> hit = (sa * a + sb * b + sc * c) / (sa + sb + sc);
-      const Vec<3> normal = cross(b - a, c - a);
-      const double side = dot(normal, subject.point(inside) - x - a);
-      crossings.push_back({dot(hit, direction), (dot(normal, direction) > 0) == (side > 0) ? 1 : -1});
-    }
-  }
-  std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) { return a.at < b.at; });
-  int depth = 0;
-  double wrong = 0;
-  for (std::size_t i = 0; i < crossings.size(); ++i) {
-    depth += crossings[i].step;
-    if (i + 1 < crossings.size() && (depth < 0 || depth > 1)) wrong += crossings[i + 1].at - crossings[i].at;
-  }
-  return depth == 0 ? wrong : 0;
+/// Where a line enters (+1) or leaves (-1) the mesh through a hull face.
+struct Crossing {
+  std::uint32_t line;
+  int step;
+  double at;
+};
+
+/// The parameter at which the line crosses the face `p`, if it does.
+std::optional<double> cross_face(const Line<2>& line, const std::array<Vec<2>, 2>& p) {
+  const Vec<2> a = p[0] - line.point, b = p[1] - line.point;
+  const double sa = cross(line.direction, a), sb = cross(line.direction, b);
+  if ((sa > 0) == (sb > 0)) return std::nullopt;
+  return dot(a + (sa / (sa - sb)) * (b - a), line.direction);
 }
 
-/// Lines through the barycenters of evenly spread simplices. Catches simplices that occur twice and sheets that lie
-/// over each other, which no local test can see.
+std::optional<double> cross_face(const Line<3>& line, const std::array<Vec<3>, 3>& p) {
+  const Vec<3> a = p[0] - line.point, b = p[1] - line.point, c = p[2] - line.point;
+  const double sa = dot(line.direction, cross(b, c)), sb = dot(line.direction, cross(c, a));
+  if ((sa > 0) != (sb > 0)) return std::nullopt;
+  const double sc = dot(line.direction, cross(a, b));
+  if ((sb > 0) != (sc > 0)) return std::nullopt;
+  return dot(sa * a + sb * b + sc * c, line.direction) / (sa + sb + sc);
+}
+
+Vec<2> normal_of(const std::array<Vec<2>, 2>& p) { return {p[0][1] - p[1][1], p[1][0] - p[0][0]}; }
+Vec<3> normal_of(const std::array<Vec<3>, 3>& p) { return cross(p[1] - p[0], p[2] - p[0]); }
+
+/// All crossings of the lines with hull faces, by line, then along it.
+template <int D>
+std::vector<Crossing> find_crossings(const Subject<D>& subject, const std::vector<Line<D>>& lines) {
+  const auto& boundary = subject.topology.boundary();
+  const std::size_t n_blocks = (boundary.size() + kBlock - 1) / kBlock;
+  std::vector<std::vector<Crossing>> found(n_blocks);
+  parallel_for(
+      n_blocks,
+      [&](std::size_t block) {
+        for (std::size_t b = block * kBlock; b < std::min(boundary.size(), (block + 1) * kBlock); ++b) {
+          const BoundaryFace<D>& face = boundary[b];
+          if (face.n_sides() != 1) continue;
+          std::array<Vec<D>, D> p;
+          for (std::size_t i = 0; i < D; ++i) p[i] = subject.point(face.vertices[i]);
+          const VertexId inside = subject.mesh.simplex_vertices[SimplexId(face.simplex[0])][face.corner[0]];
+          Vec<D> inward = normal_of(p);
+          if (dot(inward, subject.mesh.points[inside] - p[0]) < 0) inward = -inward;
+          for (std::size_t line = 0; line < lines.size(); ++line) {
+            const std::optional<double> at = cross_face(lines[line], p);
+            if (!at) continue;
+            const int step = dot(inward, lines[line].direction) > 0 ? 1 : -1;
+            found[block].push_back({static_cast<std::uint32_t>(line), step, *at});
+          }
+        }
+      },
+      1);
+  std::vector<Crossing> crossings;
+  for (const auto& block : found) crossings.insert(crossings.end(), block.begin(), block.end());
+  std::sort(crossings.begin(), crossings.end(),
+            [](const Crossing& a, const Crossing& b) { return a.line != b.line ? a.line < b.line : a.at < b.at; });
+  return crossings;
+}
+
+/// Catches simplices that occur twice and sheets that lie over each other, which no local test can see.
+///
+/// Lines are laid through the barycenters of evenly spread simplices. The number of simplices over a point of a line is
+/// the sum of steps before it, if neighbors are mutual and all simplices positive: it changes only at hull faces. It
+/// must be 0 or 1. Faces that a line hits on an edge, up to rounding, spoil the count, which then does not return to 0
+/// at the end: such a line says nothing.
 template <int D>
 Tally test_overlap(const Subject<D>& subject) {
   constexpr std::size_t kLines = 32;
   constexpr double kShort = 1e-7;  // Relative to the box: what coincident hull faces may leave by rounding.
   Tally tally;
   const std::size_t n = subject.mesh.simplex_vertices.size();
-  std::vector<double> wrong(kLines, 0);
-  std::vector<std::uint32_t> simplex(kLines, 0);
-  parallel_for(
-      kLines,
-      [&](std::size_t line) {
-        const std::size_t s = n * line / kLines;
-        if (n == 0 || !subject.topology.valid(s)) return;
-        Vec<D> x, direction;
-        for (const Vec<D>& p : subject.topology.corners(s)) x += p / (D + 1);
-        for (int k = 0; k < D; ++k) direction[k] = 0.1 + to_unit(hash_words(line, static_cast<std::uint64_t>(k)));
-        simplex[line] = static_cast<std::uint32_t>(s);
-        wrong[line] = wrongly_covered(subject, x, direction / norm(direction));
-      },
-      1);
-  for (std::size_t line = 0; line < kLines; ++line)
-    if (wrong[line] > kShort * subject.topology.box().diagonal()) tally.fault(kOverlap, wrong[line], simplex[line]);
+  std::vector<Line<D>> lines;
+  for (std::size_t k = 0; k < kLines && n > 0; ++k) {
+    const std::size_t s = n * k / kLines;
+    if (!subject.topology.valid(s)) continue;
+    Line<D> line;
+    line.simplex = static_cast<std::uint32_t>(s);
+    for (const Vec<D>& p : subject.topology.corners(s)) line.point += p / (D + 1);
+    for (int axis = 0; axis < D; ++axis)
+      line.direction[axis] = 0.1 + to_unit(hash_words(k, static_cast<std::uint64_t>(axis)));
+    line.direction *= 1 / norm(line.direction);
+    lines.push_back(line);
+  }
+  const std::vector<Crossing> crossings = find_crossings(subject, lines);
+  for (std::size_t i = 0; i < crossings.size();) {
+    std::size_t j = i;
+    int depth = 0;
+    double wrong = 0;
+    for (; j < crossings.size() && crossings[j].line == crossings[i].line; ++j) {
+      if (j > i && (depth < 0 || depth > 1)) wrong += crossings[j].at - crossings[j - 1].at;
+      depth += crossings[j].step;
+    }
+    if (depth == 0 && wrong > kShort * subject.topology.box().diagonal())
+      tally.fault(kOverlap, wrong, lines[crossings[i].line].simplex);
+    i = j;
+  }
   return tally;
 }
 

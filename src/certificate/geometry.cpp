@@ -90,13 +90,12 @@ template <int D, class T>
 Circumball<D> solve(const std::array<Vec<D>, D + 1>& p, double unit_roundoff) {
   const Frame<D, T> frame(p);
   std::array<T, D> offset{};
-  double product = 1;
-  double sum = 0;
+  double product_sq = 1;
+  double sum_sq = 0;  // At least (sum |e|)^2 / D.
   for (std::size_t k = 0; k < D; ++k) {
     const T square = Frame<D, T>::inner(frame.e[k], frame.e[k]);
-    const double length = std::sqrt(to_double(square));
-    product *= length;
-    sum += length;
+    product_sq *= to_double(square);
+    sum_sq += to_double(square);
     for (std::size_t i = 0; i < D; ++i) offset[i] = offset[i] + square * frame.n[k][i];
   }
   const T scale = T(0.5) / frame.det;
@@ -111,12 +110,15 @@ Circumball<D> solve(const std::array<Vec<D>, D + 1>& p, double unit_roundoff) {
   ball.radius = std::sqrt(to_double(Frame<D, T>::inner(offset, offset)));
   ball.determinant = to_double(frame.det);
   T rest = T(1.0);
+  const T twice_scale = scale + scale;
   for (std::size_t k = 0; k < D; ++k) {
-    const T coordinate = Frame<D, T>::inner(offset, frame.n[k]) / frame.det;
+    const T coordinate = Frame<D, T>::inner(offset, frame.n[k]) * twice_scale;
     ball.barycentric[k + 1] = to_double(coordinate);
     rest = rest - coordinate;
   }
   ball.barycentric[0] = to_double(rest);
+  const double product = std::sqrt(product_sq);
+  const double sum = std::sqrt(D * sum_sq);
   ball.error = 40 * unit_roundoff * product * (sum + 2 * ball.radius) / (2 * std::abs(ball.determinant)) +
                4 * kUnitRoundoff * (largest + ball.radius);
   return ball;
@@ -138,22 +140,30 @@ Circumball<D> circumball(const std::array<Vec<D>, D + 1>& p) {
 }
 
 template <int D>
-Barycentric<D> barycentric(const std::array<Vec<D>, D + 1>& p, const Vec<D>& x) {
+std::array<std::array<double, D + 1>, 2> barycentric(const std::array<Vec<D>, D + 1>& p, const Vec<D>& x,
+                                                     const Vec<D>& y) {
   const Frame<D, double> frame(p);
-  const Vec<D> offset = x - p[0];
-  Barycentric<D> result;
-  std::array<double, D> normal_sum{};
-  double rest = 1;
-  for (std::size_t k = 0; k < D; ++k) {
-    const double coordinate = Frame<D, double>::inner(offset.coord, frame.n[k]) / frame.det;
-    result.coordinate[k + 1] = coordinate;
-    rest -= coordinate;
-    result.height[k + 1] = std::abs(frame.det) / std::sqrt(Frame<D, double>::inner(frame.n[k], frame.n[k]));
-    for (std::size_t i = 0; i < D; ++i) normal_sum[i] += frame.n[k][i];
+  const std::array<Vec<D>, 2> offset = {x - p[0], y - p[0]};
+  const double scale = 1 / frame.det;
+  std::array<std::array<double, D + 1>, 2> result{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    result[i][0] = 1;
+    for (std::size_t k = 0; k < D; ++k) {
+      result[i][k + 1] = Frame<D, double>::inner(offset[i].coord, frame.n[k]) * scale;
+      result[i][0] -= result[i][k + 1];
+    }
   }
-  result.coordinate[0] = rest;
-  result.height[0] = std::abs(frame.det) / std::sqrt(Frame<D, double>::inner(normal_sum, normal_sum));
   return result;
+}
+
+template <int D>
+double height(const std::array<Vec<D>, D + 1>& p, std::size_t corner) {
+  const Frame<D, double> frame(p);
+  std::array<double, D> normal{};
+  for (std::size_t k = 0; k < D; ++k)
+    for (std::size_t i = 0; i < D; ++i)
+      if (corner == 0 || corner == k + 1) normal[i] += frame.n[k][i];
+  return std::abs(frame.det) / std::sqrt(Frame<D, double>::inner(normal, normal));
 }
 
 template <int D>
@@ -194,8 +204,10 @@ DiametralBall<3> diametral_ball(const Vec<3>& a, const Vec<3>& b, const Vec<3>& 
 
 template Circumball<2> circumball(const std::array<Vec<2>, 3>&);
 template Circumball<3> circumball(const std::array<Vec<3>, 4>&);
-template Barycentric<2> barycentric(const std::array<Vec<2>, 3>&, const Vec<2>&);
-template Barycentric<3> barycentric(const std::array<Vec<3>, 4>&, const Vec<3>&);
+template std::array<std::array<double, 3>, 2> barycentric(const std::array<Vec<2>, 3>&, const Vec<2>&, const Vec<2>&);
+template std::array<std::array<double, 4>, 2> barycentric(const std::array<Vec<3>, 4>&, const Vec<3>&, const Vec<3>&);
+template double height(const std::array<Vec<2>, 3>&, std::size_t);
+template double height(const std::array<Vec<3>, 4>&, std::size_t);
 template DiametralBall<2> diametral_ball(const Vec<2>&, const Vec<2>&);
 template DiametralBall<3> diametral_ball(const Vec<3>&, const Vec<3>&);
 

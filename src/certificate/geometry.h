@@ -105,14 +105,14 @@ struct Circumball {
 template <int D>
 Circumball<D> circumball(const std::array<Vec<D>, D + 1>& p);
 
-/// Barycentric coordinates of x, and the heights of the simplex above its faces.
+/// Barycentric coordinates of two points at once.
 template <int D>
-struct Barycentric {
-  std::array<double, D + 1> coordinate{};
-  std::array<double, D + 1> height{};
-};
+std::array<std::array<double, D + 1>, 2> barycentric(const std::array<Vec<D>, D + 1>& p, const Vec<D>& x,
+                                                     const Vec<D>& y);
+
+/// Distance of `corner` from the plane of the opposite face.
 template <int D>
-Barycentric<D> barycentric(const std::array<Vec<D>, D + 1>& p, const Vec<D>& x);
+double height(const std::array<Vec<D>, D + 1>& p, std::size_t corner);
 
 /// The smallest ball through two or three points: center, squared radius and an error bound of the center.
 template <int D>

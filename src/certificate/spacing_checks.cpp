@@ -78,7 +78,7 @@ PairTallies test_leaf(const Subject<D>& subject, std::size_t leaf) {
       }
     }
   };
-  tree.visit(enter, pairs);
+  tree.visit(enter, pairs, leaf);
   return result;
 }
 

@@ -19,8 +19,10 @@ Array sorted(Array a) {
 
 template <class Array>
 bool all_distinct(const Array& a) {
-  const Array s = sorted(a);
-  return std::adjacent_find(s.begin(), s.end()) == s.end();
+  for (std::size_t i = 1; i < a.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (a[i] == a[j]) return false;
+  return true;
 }
 
 }  // namespace
@@ -137,7 +139,8 @@ void Topology<D>::check_simplex_neighbors(std::size_t s, Tally& tally) const {
     for (std::size_t j = 0; good && j < i; ++j) good = around[j] != around[i];
     const int back = good ? corner_towards(n, s) : -1;
     good = back >= 0;
-    if (good) {
+    // Once per pair is enough, because the neighbors of a simplex are distinct.
+    if (good && s < n) {
       // The face of n opposite to corner `back` has D distinct corners; each must be a corner of s other than i.
       const auto& w = mesh_.simplex_vertices[SimplexId(n)];
       for (std::size_t j = 0; good && j <= D; ++j) {
