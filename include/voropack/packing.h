@@ -72,6 +72,8 @@ struct Packing {
   Triangulation<D> triangulation;      ///< Of the regions. Only kVoronoi, whose maximality it proves; else empty.
   std::vector<SpacingCap<D>> repairs;  ///< Where f was shrunk because a protecting ball was not empty.
   int repair_rounds = 0;
+  double triangulation_s =
+      0;  ///< Wall time in seconds that the Delaunay kernel took of the whole: stage 4 begins here.
 };
 
 /// Packs every polytope of `domain` in ascending dimension, as algorithm PACKING of [Miller1996], section 3.

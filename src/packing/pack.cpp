@@ -90,6 +90,7 @@ void append_interior(Packing<D>& packing, PackedInterior<D>&& interior) {
     packing.carrier.push_back(PolytopeId(D, static_cast<std::size_t>(interior.regions[i])));
   }
   packing.triangulation = std::move(interior.triangulation);
+  packing.triangulation_s = interior.triangulation_s;
 }
 
 template <int D>

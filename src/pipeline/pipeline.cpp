@@ -52,6 +52,9 @@ MeshingResult<D> make_mesh(const DomainInput<D>& input, const MeshingOptions<D>&
 
     // 3. Where they go.
     Packing<D> packing = timed("packing", [&] { return pack(result.domain, spacing, options.packing, observer); });
+    // The kernel's work within `pack` is the Delaunay triangulation, wherever it is called from.
+    result.times["packing"] -= packing.triangulation_s;
+    result.times["delaunay"] += packing.triangulation_s;
     result.repairs = packing.repairs;
     result.repair_rounds = packing.repair_rounds;
     if (!result.repairs.empty()) spacing = spacing.with_caps(result.repairs);

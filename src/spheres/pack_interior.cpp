@@ -1,6 +1,7 @@
 #include "spheres/pack_interior.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -31,7 +32,7 @@ class Completion {
     std::vector<Vec<K>> points;
     points.reserve(vertex_of_.size());
     for (const std::uint32_t i : vertex_of_) points.push_back(cells_.spheres()[i].center);
-    kernel_.insert(points);
+    insert_in_kernel(points, {});
     labels_ = label_regions<K>(kernel_, problem_.faces);
     return labels_.missing_faces.empty() && labels_.leaking_faces.empty();
   }
@@ -47,6 +48,7 @@ class Completion {
   }
 
   void export_to(PackedInterior<K>& out) const {
+    out.triangulation_s = kernel_s_;
     out.broken_faces = labels_.missing_faces;
     out.broken_faces.insert(out.broken_faces.end(), labels_.leaking_faces.begin(), labels_.leaking_faces.end());
     if (!out.broken_faces.empty()) return;
@@ -97,6 +99,12 @@ class Completion {
     out.push_back({{c, f}, labels_.region[slot], corners[0], radius / f});
   }
 
+  void insert_in_kernel(const std::vector<Vec<K>>& points, const std::vector<std::uint32_t>& hints) {
+    const auto begin = std::chrono::steady_clock::now();
+    kernel_.insert(points, hints);
+    kernel_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+
   [[nodiscard]] const Ball<K>& sphere(std::uint32_t vertex) const { return cells_.spheres()[vertex_of_[vertex]]; }
 
   /// The roomiest first: a packing that starts with its largest holes needs fewest spheres.
@@ -120,7 +128,7 @@ class Completion {
       points.push_back(candidates[i].sphere.center);
       hints.push_back(candidates[i].near);
     }
-    kernel_.insert(points, hints);
+    insert_in_kernel(points, hints);
     relabel(first);
   }
 
@@ -145,6 +153,7 @@ class Completion {
   RegionLabels<K> labels_;
   std::vector<std::uint32_t> vertex_of_;  ///< By vertex of the kernel: its sphere.
   std::vector<std::uint32_t> created_;
+  double kernel_s_ = 0;
 };
 
 /// Fills active cells until every ball of radius epsilon f holds a point that cannot be added.
