@@ -137,14 +137,18 @@ struct DomainOptions {
 
 /// Validates and completes `input` to a piecewise linear system.
 ///
-/// Exact duplicate points are merged. Points on segments split them, points and segments on facets become part of them
-/// (both within `kOnTolerance`, see src/geom/tolerance.h). Coplanar facets are joined (docs/theory/domain.md). Volumes
+/// Points within `kOnTolerance` of each other are merged, points on segments split them, points and segments on facets
+/// become part of them (both within the same tolerance, see src/geom/tolerance.h). Coplanar facets are joined. Volumes
 /// are found from the facets' sides; those with a hole seed become holes; those with a region seed take its id; others
-/// are numbered with unused ids from 1 on. Cost: O(n log n) for n elements that meet few others. Throws: InputError
-/// with up to 20 faults: domain.not_finite, domain.index_out_of_range, domain.empty, domain.zero_size_segment,
+/// are numbered with unused ids from 1 on. A facet whose parts border different regions is cut into one facet for each;
+/// they keep its marker. Method: docs/theory/domain.md.
+/// Cost: O(n log n) for n elements that meet few others, and a ray for each thing inside a region.
+/// Throws: InputError with up to 20 faults: domain.not_finite, domain.too_large, domain.too_small,
+///         domain.index_out_of_range, domain.facet_in_2d, domain.empty, domain.zero_size_segment,
 ///         domain.zero_size_facet, domain.nonplanar_facet, domain.self_intersection, domain.open_boundary,
-///         domain.outside, domain.seed_outside, domain.seed_conflict, domain.small_angle (naming the pair, the angle
-///         and the place), ... The whole list is in docs/theory/domain.md.
+///         domain.outside, domain.seed_outside, domain.seed_on_wall, domain.seed_conflict, domain.small_angle (naming
+///         the pair, the angle and the place).
+///         OptionError domain.bad_option. Cancelled if the observer asks to stop.
 template <int D>
 Domain<D> build_domain(const DomainInput<D>& input, const DomainOptions& options = {},
                        Observer& observer = silent_observer());

@@ -294,6 +294,11 @@ void collect_facets(Complex<3>& complex, ParentEdges<3>& parents, FaultList<3>& 
       if (corners.size() == 1 && !wanted_area) complex.point_listed[corners[0]] = 1;
       if (corners.size() == 2 && !wanted_area)
         facet.inner.push_back(parents.add({{corners[0], corners[1]}, {}, true, kNone, f}));
+      if (wanted_area && corners.size() < 3)
+        faults.add(
+            "zero_size_facet",
+            fmt::format("a polygon of {} has fewer than three different corners", Names<3>(*complex.input).facet(f)),
+            "remove the polygon, or correct its corners", complex.points[corners.front()], given.line);
       if (corners.size() < 3) continue;
       for (std::size_t i = 0; i < corners.size(); ++i)
         facet.outline.push_back(parents.add({{corners[i], corners[(i + 1) % corners.size()]}, {}, false, kNone, f}));

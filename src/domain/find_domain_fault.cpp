@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "geom/distance.h"
 #include "geom/polytope_distance.h"
 #include "geom/predicates.h"
 #include "geom/tolerance.h"
@@ -82,7 +83,7 @@ class Checker {
         const auto& [c, d] = d_.segments[t];
         const int common = (a == c || a == d) + (b == c || b == d);
         expect(common < 2, "segments {} and {} are equal", s.value(), t.value());
-        expect(common > 0 || segment_distance(d_.points[a], d_.points[b], d_.points[c], d_.points[d]) > near_,
+        expect(common > 0 || nearest_points(d_.points[a], d_.points[b], d_.points[c], d_.points[d]).length() > near_,
                "segments {} and {} cross", s.value(), t.value());
       }
   }
