@@ -42,7 +42,7 @@ TEST_P(AcceptedFile, HasTheVolumeOfItsTriangles) {
   const DomainInput<3> input = read(*path);
   const Domain<3> domain = build_domain(input, {.min_angle_deg = 0});
   EXPECT_EQ(domain.region_id.size(), GetParam().n_regions);
-  if (domain.points.size() < 400) {
+  if (domain.points.size() < 200) {
     EXPECT_EQ(find_domain_fault(domain), "");
   }
   double sum = 0;
