@@ -12,9 +12,9 @@ namespace {
 /// (docs/theory/packing.md).
 template <int D>
 double edge_per_spacing(const PackingOptions& options) {
-  const bool lattice = options.form == PackingForm::kVoronoi && options.interior == Interior::kLattice;
-  if (D == 2) return lattice ? 3.46 : 2.75;
-  return lattice ? 3.30 : 2.64;
+  if (options.form != PackingForm::kVoronoi) return D == 3 ? 2.755 : 2.71;
+  if (options.interior == Interior::kRandom) return D == 3 ? 2.71 : 2.67;
+  return D == 3 ? 3.307 : 3.464;
 }
 
 /// Runs a stage and notes how long it took.
