@@ -19,7 +19,7 @@ template <int D>
 struct MeshingOptions {
   DomainOptions domain;
   SizeWishes<D> wishes;
-  double gradation = 0.2;        ///< b of SpacingOptions.
+  double gradation = 0.1;        ///< b of SpacingOptions.
   double feature_factor = 0.45;  ///< a of SpacingOptions.
   PackingOptions packing;
   int threads = 0;  ///< 0: as many as the machine has.
