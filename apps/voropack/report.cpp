@@ -69,8 +69,7 @@ void add_quality(Json& json, const QualityReport& q) {
   for (const QualityReport::Region& region : q.regions)
     json["regions"].push_back({{"id", region.id}, {"simplices", region.n_simplices}, {"volume", region.volume}});
 
-  Json& quality = json["quality"] = Json::object();
-  Json& dual = json["dual"] = Json::object();
+  Json quality = Json::object(), dual = Json::object();
   if (q.n_simplices > 0) {
     quality["radius_edge"] = spread_json(q.radius_edge, {kMax, kP99, kMean});
     quality["angle_deg"] = spread_json(q.angle_deg, {kMin, kMax});
@@ -85,6 +84,8 @@ void add_quality(Json& json, const QualityReport& q) {
     dual["negative_faces"] = q.n_negative_faces;
   }
   if (q.n_cells > 0) dual["cell_aspect"] = spread_json(q.cell_aspect, {kMax, kP99, kMean});
+  json["quality"] = std::move(quality);
+  json["dual"] = std::move(dual);
 }
 
 Json certificate_json(const Certificate& certificate) {

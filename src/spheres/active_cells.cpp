@@ -24,7 +24,7 @@ constexpr int kMaxDepth = 28;
 template <int K>
 double largest_spacing(const PackingProblem<K>& problem) {
   if (const auto f = problem.spacing.constant_on(problem.bounds)) return *f;
-  constexpr int n = K == 3 ? 12 : 40;
+  constexpr int n = K == 3 ? 12 : 16;
   std::size_t total = 1;
   for (int k = 0; k < K; ++k) total *= n;
   double largest = 0;
@@ -53,19 +53,23 @@ Vec<K> clamped(Vec<K> x, const Box<K>& box) {
 
 template <int K>
 ActiveCells<K>::ActiveCells(const PackingProblem<K>& problem, bool lattice, const Observer& observer)
+    : ActiveCells(problem, lattice, largest_spacing(problem), observer) {}
+
+template <int K>
+ActiveCells<K>::ActiveCells(const PackingProblem<K>& problem, bool lattice, double largest, const Observer& observer)
     : problem_(problem),
       observer_(observer),
       origin_(problem.bounds.lo),
-      spheres_(problem.bounds.center(), problem.spacing.lipschitz, largest_spacing(problem)),
+      spheres_(problem.bounds.center(), problem.spacing.lipschitz, largest),
       balls_(problem.bounds.center()) {
   for (int k = 0; k < K; ++k) side_ = std::max(side_, problem.bounds.hi[k] - problem.bounds.lo[k]);
   if constexpr (K > 1) {
     // Halved again and again, the root's side becomes the widest that a leaf may have where f is largest.
-    const double leaf = 2 * largest_spacing(problem) / std::sqrt(static_cast<double>(K)) * (1 - 1e-9);
+    const double leaf = 2 * largest / std::sqrt(static_cast<double>(K)) * (1 - 1e-9);
     side_ = std::ldexp(leaf, std::max(0, static_cast<int>(std::ceil(std::log2(side_ * (1 + 1e-6) / leaf)))));
     origin_ = problem.bounds.center();
     for (int k = 0; k < K; ++k) origin_[k] -= side_ / 2;
-    if (lattice) lattice_.emplace(problem.bounds.center(), largest_spacing(problem), problem.seed);
+    if (lattice) lattice_.emplace(problem.bounds.center(), largest, problem.seed);
   }
   for (const Ball<K>& s : problem.fixed) spheres_.add(s);
   for (const Ball<K>& s : problem.foreign) spheres_.add(s);

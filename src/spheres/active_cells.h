@@ -65,6 +65,8 @@ class ActiveCells {
     int region;  ///< kNoRegion if not known.
     bool free;   ///< Nothing but points of other classes can be in the way.
   };
+  ActiveCells(const PackingProblem<K>& problem, bool lattice, double largest, const Observer& observer);
+
   struct Obstacles {
     std::vector<std::uint32_t> spheres, balls;
   };

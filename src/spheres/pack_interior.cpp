@@ -32,8 +32,10 @@ class Completion {
     std::vector<Vec<K>> points;
     points.reserve(vertex_of_.size());
     for (const std::uint32_t i : vertex_of_) points.push_back(cells_.spheres()[i].center);
-    insert_in_kernel(points, {});
-    labels_ = label_regions<K>(kernel_, problem_.faces);
+    timed([&] {
+      kernel_.insert(points);
+      labels_ = label_regions<K>(kernel_, problem_.faces);
+    });
     return labels_.missing_faces.empty() && labels_.leaking_faces.empty();
   }
 
@@ -47,12 +49,11 @@ class Completion {
     }
   }
 
-  void export_to(PackedInterior<K>& out) const {
-    out.triangulation_s = kernel_s_;
+  void export_to(PackedInterior<K>& out) {
     out.broken_faces = labels_.missing_faces;
     out.broken_faces.insert(out.broken_faces.end(), labels_.leaking_faces.begin(), labels_.leaking_faces.end());
-    if (!out.broken_faces.empty()) return;
-    out.triangulation = export_triangulation(kernel_, labels_.region);
+    if (out.broken_faces.empty()) timed([&] { out.triangulation = export_triangulation(kernel_, labels_.region); });
+    out.triangulation_s = triangulation_s_;
   }
 
  private:
@@ -99,10 +100,12 @@ class Completion {
     out.push_back({{c, f}, labels_.region[slot], corners[0], radius / f});
   }
 
-  void insert_in_kernel(const std::vector<Vec<K>>& points, const std::vector<std::uint32_t>& hints) {
+  /// Adds the time that `work` takes to that of the triangulation.
+  template <class Work>
+  void timed(Work&& work) {
     const auto begin = std::chrono::steady_clock::now();
-    kernel_.insert(points, hints);
-    kernel_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    work();
+    triangulation_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 
   [[nodiscard]] const Ball<K>& sphere(std::uint32_t vertex) const { return cells_.spheres()[vertex_of_[vertex]]; }
@@ -128,8 +131,10 @@ class Completion {
       points.push_back(candidates[i].sphere.center);
       hints.push_back(candidates[i].near);
     }
-    insert_in_kernel(points, hints);
-    relabel(first);
+    timed([&] {
+      kernel_.insert(points, hints);
+      relabel(first);
+    });
   }
 
   /// A new simplex has a new vertex as a corner and lies in that vertex's region: protecting balls keep cavities from
@@ -153,7 +158,7 @@ class Completion {
   RegionLabels<K> labels_;
   std::vector<std::uint32_t> vertex_of_;  ///< By vertex of the kernel: its sphere.
   std::vector<std::uint32_t> created_;
-  double kernel_s_ = 0;
+  double triangulation_s_ = 0;
 };
 
 /// Fills active cells until every ball of radius epsilon f holds a point that cannot be added.

@@ -14,7 +14,7 @@ struct PackedInterior {
   std::vector<int> regions;      ///< [spheres.size()] the region that holds each.
   /// The Delaunay triangulation of fixed and new spheres inside the regions. Empty unless asked for or Voronoi-maximal.
   Triangulation<K> triangulation;
-  double triangulation_s = 0;  ///< Wall time that the kernel took, in seconds.
+  double triangulation_s = 0;  ///< Wall time of triangulating and labelling, in seconds.
   std::vector<std::uint32_t>
       broken_faces;  ///< Indices of protected faces that the triangulation lacks; then nothing else is valid.
 };

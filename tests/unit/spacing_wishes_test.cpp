@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kRounding = 1e-12;
 constexpr double kRatio = 3.3;  // SpacingOptions::edge_per_spacing
+constexpr SpacingOptions kOptions{.gradation = 0.2};
 
 template <int D>
 std::vector<Vec<D>> probes(int n, double scale = 1) {
@@ -28,8 +29,8 @@ std::vector<Vec<D>> probes(int n, double scale = 1) {
 /// Checks min(geometry, wish(x)) at random points, inside and outside of the box.
 template <int D, class Wish>
 void expect_wish(const Domain<D>& domain, const SizeWishes<D>& wishes, Wish&& wish) {
-  const Spacing<D> geometry = build_spacing<D>(domain, {});
-  const Spacing<D> f = build_spacing(domain, wishes);
+  const Spacing<D> geometry = build_spacing<D>(domain, {}, kOptions);
+  const Spacing<D> f = build_spacing(domain, wishes, kOptions);
   int n_wished = 0;
   for (const Vec<D>& x : probes<D>(500, 1.1)) {
     const double wanted = wish(x);
@@ -43,7 +44,7 @@ void expect_wish(const Domain<D>& domain, const SizeWishes<D>& wishes, Wish&& wi
 TEST(Spacing, OfTheUnitCubeIsThatOfItsThreePairsOfSides) {
   const Domain<3> cube = plain::unit_box<3>();
   const LocalFeatureSize<3> lfs(cube);
-  const Spacing<3> f = build_spacing<3>(cube, {});
+  const Spacing<3> f = build_spacing<3>(cube, {}, kOptions);
   for (const Vec<3>& x : probes<3>(300)) {
     double expected = 1;
     for (int k = 0; k < 3; ++k) expected = std::min(expected, std::max(x[k], 1 - x[k]));
@@ -58,7 +59,7 @@ TEST(Spacing, TakesTheSmallestConstant) {
   wishes.spacing = 0.01;
   expect_wish(plain::unit_box<2>(), wishes, [](const Vec<2>&) { return 0.01; });
   wishes.spacing = 0.05;
-  const Spacing<2> f = build_spacing(plain::unit_box<2>(), wishes);
+  const Spacing<2> f = build_spacing(plain::unit_box<2>(), wishes, kOptions);
   EXPECT_DOUBLE_EQ(f({0.3, 0.4}), 0.02);
   EXPECT_EQ(f.constant_on({{0.1, 0.1}, {0.9, 0.9}}), 0.066 / kRatio);
 }
@@ -96,10 +97,10 @@ TEST(Spacing, RegionSizesHoldInTheirClosureAndGrowOutside) {
 TEST(Spacing, LargestSimplexIsARegionSize) {
   Domain<2> square = plain::nested_boxes<2>();
   square.region_max_simplex[RegionId(1)] = std::sqrt(3.0) / 4 * 0.02 * 0.02;  // Side 0.02.
-  EXPECT_NEAR(build_spacing<2>(square, {})({0.5, 0.5}), 0.02 / kRatio, kRounding);
+  EXPECT_NEAR(build_spacing<2>(square, {}, kOptions)({0.5, 0.5}), 0.02 / kRatio, kRounding);
   Domain<3> cube = plain::nested_boxes<3>();
   cube.region_max_simplex[RegionId(1)] = std::sqrt(2.0) / 12 * 0.02 * 0.02 * 0.02;
-  EXPECT_NEAR(build_spacing<3>(cube, {})({0.5, 0.5, 0.5}), 0.02 / kRatio, kRounding);
+  EXPECT_NEAR(build_spacing<3>(cube, {}, kOptions)({0.5, 0.5, 0.5}), 0.02 / kRatio, kRounding);
 }
 
 TEST(Spacing, MarkerSizesGrowWithTheDistanceFromFacetsSegmentsAndPoints) {
@@ -204,8 +205,8 @@ TEST(Spacing, ExpressionIsMetFromBelowWithinTenPercent) {
   SizeWishes<2> wishes;
   wishes.expression = "0.033 + 0.3*hypot(x-0.5, y-0.5)";  // f grows by 0.09 < b: nothing to smooth.
   const Domain<2> square = plain::unit_box<2>();
-  const Spacing<2> f = build_spacing(square, wishes);
-  const Spacing<2> geometry = build_spacing<2>(square, {});
+  const Spacing<2> f = build_spacing(square, wishes, kOptions);
+  const Spacing<2> geometry = build_spacing<2>(square, {}, kOptions);
   for (const Vec<2>& x : probes<2>(500)) {
     const double wanted = std::min(geometry(x), (0.033 + 0.3 * distance(x, {0.5, 0.5})) / kRatio);
     EXPECT_LE(f(x), wanted * (1 + kRounding));
@@ -214,7 +215,7 @@ TEST(Spacing, ExpressionIsMetFromBelowWithinTenPercent) {
 }
 
 TEST(Spacing, CapsAreCones) {
-  const Spacing<2> base = build_spacing<2>(plain::unit_box<2>(), {});
+  const Spacing<2> base = build_spacing<2>(plain::unit_box<2>(), {}, kOptions);
   const std::vector<SpacingCap<2>> caps = {{{0.5, 0.5}, 0.1, 0.02}, {{0.2, 0.2}, 0.0, 0.01}};
   const Spacing<2> together = base.with_caps(caps);
   const Spacing<2> twice = base.with_caps({caps[0]}).with_caps({caps[1]});
@@ -230,7 +231,7 @@ TEST(Spacing, CapsAreCones) {
 TEST(Spacing, CapsEndConstantBoxes) {
   SizeWishes<2> wishes;
   wishes.spacing = 0.02;
-  const Spacing<2> f = build_spacing(plain::unit_box<2>(), wishes).with_caps({{{0.5, 0.5}, 0.1, 0.01}});
+  const Spacing<2> f = build_spacing(plain::unit_box<2>(), wishes, kOptions).with_caps({{{0.5, 0.5}, 0.1, 0.01}});
   EXPECT_FALSE(f.constant_on({{0.1, 0.1}, {0.9, 0.9}}).has_value());
   EXPECT_EQ(f.constant_on({{0.1, 0.1}, {0.2, 0.2}}), 0.02);
 }
