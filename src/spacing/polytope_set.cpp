@@ -193,9 +193,9 @@ double PolytopeSet<D>::distance_between(std::uint32_t p, std::uint32_t q) const 
 }
 
 template <int D>
-double PolytopeSet<D>::smallest_pair_value(const Vec<D>& x, PairWeights weights, double bound,
-                                           std::size_t max_met) const {
-  if (tree_.empty()) return bound;
+auto PolytopeSet<D>::search_pairs(const Vec<D>& x, PairWeights weights, double bound, std::size_t max_met) const
+    -> Search {
+  if (tree_.empty()) return {bound, 0};
   double best = bound;
   std::vector<Waiting> heap;
   heap.reserve(64);
@@ -233,7 +233,7 @@ double PolytopeSet<D>::smallest_pair_value(const Vec<D>& x, PairWeights weights,
     for (const Met& met : near) {
       const std::uint32_t q = met.polytope;
       if (weights.gap == 0) {
-        if (disjoint(p, q)) return reach;  // Nearest first: no later pair is smaller.
+        if (disjoint(p, q)) return {reach, near.size()};  // Nearest first: no later pair is smaller.
         continue;
       }
       if (!(reach + weights.gap * box_distance(box, met.box) < best) || !is_maximal_pair(p, q)) continue;
@@ -242,7 +242,7 @@ double PolytopeSet<D>::smallest_pair_value(const Vec<D>& x, PairWeights weights,
     near.push_back({box, p});
     if (near.size() >= max_met && best < bound) break;
   }
-  return best;
+  return {best, near.size()};
 }
 
 template class PolytopeSet<2>;

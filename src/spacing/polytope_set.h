@@ -59,10 +59,17 @@ class PolytopeSet {
   [[nodiscard]] double distance_between(std::uint32_t p, std::uint32_t q) const;
   [[nodiscard]] const Box<D>& box(std::uint32_t p) const { return polytope_box_[p]; }
 
-  /// The least of `bound` and the pairs' contributions at x, by nearest-first search. Exact unless more than `max_met`
-  /// polytopes would have to be looked at and some of them gave less than `bound`: then that upper bound.
-  [[nodiscard]] double smallest_pair_value(const Vec<D>& x, PairWeights weights, double bound,
-                                           std::size_t max_met = std::numeric_limits<std::size_t>::max()) const;
+  struct Search {
+    double value;
+    std::size_t n_met;  ///< Polytopes looked at: what the search cost.
+  };
+  /// The least of `bound` and the pairs' contributions at x, by nearest-first search. Stops when it has looked at
+  /// `max_met` polytopes and some of them gave less than `bound`; then the value is an upper bound.
+  [[nodiscard]] Search search_pairs(const Vec<D>& x, PairWeights weights, double bound, std::size_t max_met) const;
+  /// The same without a limit, hence exact.
+  [[nodiscard]] double smallest_pair_value(const Vec<D>& x, PairWeights weights, double bound) const {
+    return search_pairs(x, weights, bound, std::numeric_limits<std::size_t>::max()).value;
+  }
 
  private:
   void add_polytope(const SmallSimplex<D>& simplex);

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <tuple>
 #include <type_traits>
 
 #include "base/parallel.h"
@@ -21,10 +23,15 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Chosen by measuring build time, memory and evaluation time on the domains of bench/micro/spacing.
-/// Pairs are formed when at most this many polytopes are left in a cell.
+/// A cell with at most this many polytopes forms pairs, and its children inherit them.
 constexpr std::size_t kMaxPolytopes = 160;
-/// The bound of f at a cell's center rests on at most this many polytopes, the nearest ones.
+/// The same where searching is cheap. Both fit in SpacingTree::Pair::p.
+constexpr std::size_t kFewPolytopes = 64;
+/// The bound of f at a cell's center rests on at most this many polytopes, the nearest ones. Where the search needs no
+/// more, as it does far from a surface of many small facets, searching costs less than long lists.
 constexpr std::size_t kMaxMet = 24;
+/// Such a cell is not split when f varies by less than this part of its value from the center.
+constexpr double kSearchVariation = 0.5;
 /// A cell with no more sources than this is not split for their number.
 constexpr std::size_t kFewSources = 32;
 /// Lists of size atoms longer than this are searched by tree.
@@ -74,7 +81,9 @@ struct SpacingTree<D>::Builder {
     // Found by `examine`:
     std::shared_ptr<Lists> lists;
     Box<D> box;
-    double value = 0;
+    double value = 0;  // An upper bound of f at the center.
+    double limit = 0;  // An upper bound of f in the cell.
+    bool search_is_cheap = false;
     bool is_split = false;
     std::vector<char> is_plane;  // [number of polytopes in `lists->items`]
   };
@@ -170,16 +179,19 @@ struct SpacingTree<D>::Builder {
 
     const double size_limit = filter_sizes(parent, m, h, *lists, cell.value);
     std::vector<double> distances;
-    const double limit = pair_limit(parent, m, h, size_limit, cell.value, distances);
-    filter_polytopes(parent, m, h, limit, distances, *lists);
-    if (!lists->is_paired) form_pairs(m, h, limit, *lists);
-    if (limit < size_limit) {
+    for (std::uint32_t i : parent.items) distances.push_back(polytopes.item_distance(i, m));
+    const OwnerDistances owners = owner_distances(parent.items, distances);
+    cell.limit = std::min(size_limit, pair_limit(parent, m, h, owners, cell));
+    filter_polytopes(parent, h, cell.limit, distances, owners, *lists);
+    if (cell.limit < size_limit) {
       const double b = sources.sizes.slope();
-      std::erase_if(lists->atoms, [&](const WorkAtom& a) { return a.at_center - b * h > limit; });
+      std::erase_if(lists->atoms, [&](const WorkAtom& a) { return a.at_center - b * h > cell.limit; });
     }
-    cell.is_split = wants_split(*lists, m, h, cell, limit, depth);
     cell.lists = std::move(lists);
     cell.parent.reset();
+    const std::size_t few = cell.search_is_cheap ? kFewPolytopes : kMaxPolytopes;
+    if (!cell.lists->is_paired && count_polytopes(*cell.lists) <= few) form_pairs(cell, m, h);
+    cell.is_split = depth < kLevels && wants_split(cell, h);
   }
 
   /// Evaluates the parent's atoms and region values at m and keeps those that can be smallest in the cell. Returns an
@@ -210,24 +222,6 @@ struct SpacingTree<D>::Builder {
     return limit;
   }
 
-  /// Improves the bound of f by the pairs. Fills the distances from m to the parent's items.
-  double pair_limit(const Lists& parent, const Vec<D>& m, double h, double limit, double& value,
-                    std::vector<double>& distances) const {
-    distances.reserve(parent.items.size());
-    for (std::uint32_t i : parent.items) distances.push_back(polytopes.item_distance(i, m));
-    const double slope = sources.weights.slope;
-    double least = kInfinity;
-    if (parent.is_paired) {
-      const auto owner = owner_distances(parent.items, distances);
-      for (const WorkPair& pair : parent.pairs)
-        least = std::min(least, slope * std::max(lookup(owner, pair.p), lookup(owner, pair.q)) + pair.offset);
-    } else {
-      least = polytopes.smallest_pair_value(m, sources.weights, value, kMaxMet);
-    }
-    value = std::min(value, least);
-    return std::min(limit, least + slope * h);
-  }
-
   using OwnerDistances = std::vector<std::pair<std::uint32_t, double>>;
 
   /// The distance to each polytope that has an item in the list, by ascending number.
@@ -245,16 +239,31 @@ struct SpacingTree<D>::Builder {
     return entry != owners.end() && entry->first == p ? entry->second : kInfinity;
   }
 
-  void filter_polytopes(const Lists& parent, const Vec<D>& m, double h, double limit,
-                        const std::vector<double>& distances, Lists& lists) const {
+  /// An upper bound of f in the cell from the pairs. Improves cell.value.
+  double pair_limit(const Lists& parent, const Vec<D>& m, double h, const OwnerDistances& owners, Cell& cell) const {
     const double slope = sources.weights.slope;
-    (void)m;
+    double least = kInfinity;
     if (parent.is_paired) {
-      const auto owner = owner_distances(parent.items, distances);
-      for (WorkPair pair : parent.pairs) {
-        pair.at_center = slope * std::max(lookup(owner, pair.p), lookup(owner, pair.q)) + pair.offset;
-        if (matters(pair.at_center - slope * h, limit, lists.constant)) lists.pairs.push_back(pair);
-      }
+      for (const WorkPair& pair : parent.pairs) least = std::min(least, value_of(pair, owners));
+    } else {
+      const auto search = polytopes.search_pairs(m, sources.weights, cell.value, kMaxMet);
+      cell.search_is_cheap = search.n_met < kMaxMet;
+      if (search.value < cell.value) least = search.value;
+    }
+    cell.value = std::min(cell.value, least);
+    return least + slope * h;
+  }
+
+  double value_of(const WorkPair& pair, const OwnerDistances& owners) const {
+    return sources.weights.slope * std::max(lookup(owners, pair.p), lookup(owners, pair.q)) + pair.offset;
+  }
+
+  void filter_polytopes(const Lists& parent, double h, double limit, const std::vector<double>& distances,
+                        const OwnerDistances& owners, Lists& lists) const {
+    const double slope = sources.weights.slope;
+    for (WorkPair pair : parent.pairs) {
+      pair.at_center = value_of(pair, owners);
+      if (matters(pair.at_center - slope * h, limit, lists.constant)) lists.pairs.push_back(pair);
     }
     std::vector<double> kept;
     for (std::size_t i = 0; i < parent.items.size(); ++i) {
@@ -289,52 +298,64 @@ struct SpacingTree<D>::Builder {
     });
   }
 
-  void form_pairs(const Vec<D>& m, double h, double limit, Lists& lists) const {
+  /// Pairs of what is in the cell, the most promising first, so that exact distances are needed for few.
+  void form_pairs(Cell& cell, const Vec<D>& m, double h) const {
+    Lists& lists = *cell.lists;
     std::vector<double> distances;
     for (std::uint32_t i : lists.items) distances.push_back(polytopes.item_distance(i, m));
     const auto owners = owner_distances(lists.items, distances);
-    if (owners.size() > kMaxPolytopes) return;
     const PairWeights w = sources.weights;
+    const double slack = w.slope * h;
+    std::vector<WorkPair> candidates;  // With lower bounds.
     for (std::size_t i = 0; i < owners.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         const auto [p, d_p] = owners[i];
         const auto [q, d_q] = owners[j];
         const double reach = w.slope * std::max(d_p, d_q);
-        const double least_gap = w.gap * box_distance(polytopes.box(p), polytopes.box(q));
-        if (!matters(reach + least_gap - w.slope * h, limit, lists.constant)) continue;
-        if (!polytopes.is_maximal_pair(p, q)) continue;
-        const double offset = w.gap > 0 ? w.gap * polytopes.distance_between(p, q) : 0.0;
-        if (matters(reach + offset - w.slope * h, limit, lists.constant))
-          lists.pairs.push_back({p, q, offset, reach + offset});
+        if (!matters(reach - slack, cell.limit, lists.constant)) continue;
+        const double offset = w.gap > 0 ? w.gap * box_distance(polytopes.box(p), polytopes.box(q)) : 0.0;
+        if (matters(reach + offset - slack, cell.limit, lists.constant))
+          candidates.push_back({p, q, offset, reach + offset});
       }
     }
+    const auto before = [](const WorkPair& a, const WorkPair& b) {
+      return std::tuple(a.at_center, a.p, a.q) < std::tuple(b.at_center, b.p, b.q);
+    };
+    std::sort(candidates.begin(), candidates.end(), before);
+    for (WorkPair pair : candidates) {
+      if (!matters(pair.at_center - slack, cell.limit, lists.constant)) break;
+      if (!polytopes.is_maximal_pair(pair.p, pair.q)) continue;
+      if (w.gap > 0) {
+        const double offset = w.gap * polytopes.distance_between(pair.p, pair.q);
+        pair.at_center += offset - pair.offset;
+        pair.offset = offset;
+      }
+      cell.value = std::min(cell.value, pair.at_center);
+      cell.limit = std::min(cell.limit, pair.at_center + slack);
+      lists.pairs.push_back(pair);
+    }
+    std::erase_if(lists.pairs,
+                  [&](const WorkPair& a) { return !matters(a.at_center - slack, cell.limit, lists.constant); });
     lists.is_paired = true;
     drop_unpaired_items(lists);
   }
 
-  [[nodiscard]] bool wants_split(const Lists& lists, const Vec<D>& m, double h, const Cell& cell, double limit,
-                                 int depth) const {
-    double side = 0;
-    for (int k = 0; k < D; ++k) side = std::max(side, cell.box.hi[k] - cell.box.lo[k]);
-    const bool is_constant = lists.items.empty() && lists.atoms.empty() && lists.regions.empty();
-    if (is_constant || depth >= kLevels) return false;
-    const bool is_mixed = lists.constant <= limit;
-    if (is_mixed && side > kMixedSide * cell.value) return true;
-    if (!(side > kSmallestSide * cell.value)) return false;
-    if (!lists.is_paired) return !is_hopeless(lists, m, h, cell.value);
-    const std::size_t n_sources = lists.items.size() + lists.atoms.size() + lists.regions.size();
-    return n_sources > kFewSources;
+  [[nodiscard]] std::size_t count_polytopes(const Lists& lists) const {
+    std::size_t n = 0;
+    for_each_polytope(lists.items, [&](std::uint32_t, std::span<const std::uint32_t>) { ++n; });
+    return n;
   }
 
-  /// Far from a surface of many small facets, even the smallest cells have long lists. Then it is better to search.
-  [[nodiscard]] bool is_hopeless(const Lists& lists, const Vec<D>& m, double h, double value) const {
-    const double slope = sources.weights.slope;
-    if (slope * h > 0.25 * value) return false;  // Some part of the cell may be nearer to something.
-    const double smallest = 0.5 * std::sqrt(static_cast<double>(D)) * kSmallestSide * value;
-    const auto n = std::count_if(lists.items.begin(), lists.items.end(), [&](std::uint32_t i) {
-      return slope * (polytopes.item_distance(i, m) - 2 * smallest) <= value;
-    });
-    return static_cast<std::size_t>(n) > kMaxPolytopes;
+  [[nodiscard]] bool wants_split(const Cell& cell, double h) const {
+    const Lists& lists = *cell.lists;
+    double side = 0;
+    for (int k = 0; k < D; ++k) side = std::max(side, cell.box.hi[k] - cell.box.lo[k]);
+    if (lists.items.empty() && lists.atoms.empty() && lists.regions.empty()) return false;
+    const bool is_mixed = lists.constant <= cell.limit;
+    if (is_mixed && side > kMixedSide * cell.value) return true;
+    if (!(side > kSmallestSide * cell.value)) return false;
+    if (!lists.is_paired) return !cell.search_is_cheap || sources.weights.slope * h > kSearchVariation * cell.value;
+    return lists.items.size() + lists.atoms.size() + lists.regions.size() > kFewSources;
   }
 
   /// Marks the facets whose plane decides.
