@@ -36,10 +36,10 @@ class BoxTree {
   BoxTree(std::size_t n, const BoxOf& box_of, const WeightOf& weight_of) : n_(n) {
     order_.resize(n);
     std::vector<Vec<D>> center(n);
-    for (std::size_t i = 0; i < n; ++i) {
+    parallel_for(n, [&](std::size_t i) {
       order_[i] = static_cast<std::uint32_t>(i);
       center[i] = box_of(i).center();
-    }
+    });
     while ((n >> depth_) > kLeafSize) ++depth_;
     for (int level = 0; level < depth_; ++level)
       parallel_for(
@@ -102,12 +102,13 @@ class BoxTree {
     const std::size_t first_leaf = n_leaves() - 1;
     box_.resize(2 * first_leaf + 1);
     weight_.assign(box_.size(), 0);
-    for (std::size_t leaf = 0; leaf <= first_leaf; ++leaf) {
+    parallel_for(first_leaf + 1, [&](std::size_t leaf) {
+      const std::size_t node = first_leaf + leaf;
       for (std::size_t i = leaf_begin(leaf); i < leaf_begin(leaf + 1); ++i) {
-        box_[first_leaf + leaf].add(box_of(order_[i]));
-        weight_[first_leaf + leaf] = std::max(weight_[first_leaf + leaf], static_cast<double>(weight_of(order_[i])));
+        box_[node].add(box_of(order_[i]));
+        weight_[node] = std::max(weight_[node], static_cast<double>(weight_of(order_[i])));
       }
-    }
+    });
     for (std::size_t node = first_leaf; node-- > 0;) {
       box_[node] = box_[2 * node + 1];
       box_[node].add(box_[2 * node + 2]);

@@ -76,11 +76,14 @@ VertexTree<D> build_vertex_tree(const Mesh<D>& mesh, const Topology<D>& topology
       items.size(),
       [&](std::size_t i) { return Box<D>(mesh.points[VertexId(items[i])], mesh.points[VertexId(items[i])]); },
       [&](std::size_t i) { return spacing(items[i]); });
-  for (const std::uint32_t i : vertices.tree.order()) {
-    vertices.id.push_back(items[i]);
-    vertices.point.push_back(mesh.points[VertexId(items[i])]);
-    vertices.spacing.push_back(spacing(items[i]));
-  }
+  vertices.id.resize(items.size());
+  vertices.point.resize(items.size());
+  vertices.spacing.resize(items.size());
+  parallel_for(items.size(), [&](std::size_t k) {
+    const std::uint32_t v = vertices.id[k] = items[vertices.tree.order()[k]];
+    vertices.point[k] = mesh.points[VertexId(v)];
+    vertices.spacing[k] = spacing(v);
+  });
   return vertices;
 }
 

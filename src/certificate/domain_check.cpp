@@ -1,6 +1,7 @@
 // Check `conformity`, the part that compares the mesh with the domain: its points are vertices, its segments chains of
 // edges, its facets tiled by boundary simplices, its regions on the right sides.
 #include <algorithm>
+#include <functional>
 
 #include "certificate/conformity.h"
 #include "geom/tolerance.h"
@@ -29,6 +30,10 @@ class DomainComparison {
         tolerance_(absolute_tolerance(subject.domain->box, kOnTolerance)) {}
 
   double run() {
+    if constexpr (D == 2)
+      wall_markers_tell_ = markers_tell(subject_.mesh.boundary_marker, domain_.segment_marker);
+    else
+      wall_markers_tell_ = markers_tell(subject_.mesh.boundary_marker, domain_.facet_marker);
     find_points();
     for (const SegmentId s : ids(domain_.segments)) chain(s);
     std::sort(chain_.begin(), chain_.end());
@@ -41,6 +46,15 @@ class DomainComparison {
   }
 
  private:
+  /// Programs that know no markers of their own write the same one everywhere: such markers are not compared.
+  template <class Mine, class Theirs>
+  [[nodiscard]] static bool markers_tell(const Mine& mesh_markers, const Theirs& domain_markers) {
+    const auto varied = [](const auto& markers) {
+      return std::adjacent_find(markers.begin(), markers.end(), std::not_equal_to<>()) != markers.end();
+    };
+    return varied(mesh_markers) || !varied(domain_markers);
+  }
+
   [[nodiscard]] std::string point_text(PointId p) const {
     return "point " + std::to_string(p.value()) + " of the domain at " + place(domain_.points[p]);
   }
@@ -172,7 +186,8 @@ class DomainComparison {
     const auto& listed = subject_.mesh.segment_edges;
     if (listed.empty()) return;
     std::vector<std::uint8_t> seen(chain_.size(), 0);
-    const bool marked = subject_.mesh.segment_edge_marker.size() == listed.size();
+    const bool marked = subject_.mesh.segment_edge_marker.size() == listed.size() &&
+                        markers_tell(subject_.mesh.segment_edge_marker, domain_.segment_marker);
     for (const EdgeId e : ids(listed)) {
       const Edge edge = make_edge(listed[e][0].value(), listed[e][1].value());
       const ChainEdge* part = find_chain(edge);
@@ -208,7 +223,7 @@ class DomainComparison {
   void compare_marker(std::size_t b, int marker) {
     const BoundaryFace<D>& face = subject_.topology.boundary()[b];
     report_.tested();
-    if (!face.listed || face.marker == marker) return;
+    if (!face.listed || !wall_markers_tell_ || face.marker == marker) return;
     report_.fault(kWrongMarker, [&] {
       return subject_.boundary_text(static_cast<std::uint32_t>(b)) + " should have marker " + std::to_string(marker);
     });
@@ -257,6 +272,7 @@ class DomainComparison {
   const Domain<D>& domain_;
   ConformityReport& report_;
   double tolerance_;
+  bool wall_markers_tell_ = true;
   double worst_area_ = -1;
   std::vector<std::uint32_t> point_vertex_;                                  ///< [n domain points]
   std::vector<ChainEdge> chain_;                                             ///< Sorted.

@@ -327,6 +327,17 @@ TYPED_TEST(CertificateOf, RejectsAChangedMarker) {
   if (D == 3) expect_rejected(judge(c, false), "conformity", words);
 }
 
+TYPED_TEST(CertificateOf, DoesNotCompareMarkersThatAreAllTheSame) {
+  constexpr int D = TypeParam::value;
+  CertificateCase<D> c = golden<D>();
+  for (int& marker : c.mesh.boundary_marker) marker = 1;
+  for (int& marker : c.mesh.segment_edge_marker) marker = 1;
+  const Certificate certificate = judge(c);
+  EXPECT_TRUE(certificate.ok) << test::summary(certificate);
+  c.mesh.boundary_marker[BoundaryId(0)] = 2;
+  EXPECT_FALSE(judge(c).ok);
+}
+
 TYPED_TEST(CertificateOf, RejectsAMeshOfAnotherDomain) {
   constexpr int D = TypeParam::value;
   CertificateCase<D> c = golden<D>();
