@@ -136,7 +136,7 @@ void BowyerWatson<K>::check_new(std::uint32_t vertex, Slot slot) const {
   const Vec<K>& p = points_[vertex];
   for (const std::uint32_t v : simplices_[slot].corner) {
     if (v == kInfinite || points_[v] != p) continue;
-    const std::uint32_t first = std::min(v, vertex) - 1, second = std::max(v, vertex) - 1;
+    const auto [first, second] = std::minmax(vertex_[v], vertex_[vertex]);
     throw InputError(Fault{
         .id = "delaunay.duplicate_points",
         .message = "points " + std::to_string(first) + " and " + std::to_string(second) + " are identical: " + text(p),
@@ -348,21 +348,29 @@ void BowyerWatson<K>::insert_vertex(std::uint32_t vertex, Slot start) {
 // ---------------------------------------------------------------------------------------------------------- batches
 
 template <int K>
-void BowyerWatson<K>::append_points(std::span<const Vec<K>> points) {
-  Box<K> box = box_;
-  for (std::size_t i = 0; i < points.size(); ++i) {
+void BowyerWatson<K>::check_finite(std::span<const Vec<K>> points) const {
+  for (std::size_t i = 0; i < points.size(); ++i)
     if (!voropack::is_finite(points[i]))
       throw InputError(Fault{.id = "delaunay.not_finite",
                              .message = "point " + std::to_string(n_vertices() + i) +
                                         " has a coordinate that is infinite or not a number: " + text(points[i]),
                              .fix = "give finite coordinates",
                              .position = position(points[i])});
-    box.add(points[i]);
+}
+
+/// Numbers the points of a batch by their place in `order`.
+template <int K>
+void BowyerWatson<K>::append_points(std::span<const Vec<K>> points, const std::vector<std::uint32_t>& order) {
+  const std::uint32_t first_vertex = n_vertices();
+  number_.resize(first_vertex + points.size());
+  for (const std::uint32_t i : order) {
+    number_[first_vertex + i] = static_cast<std::uint32_t>(points_.size());
+    vertex_.push_back(first_vertex + i);
+    points_.push_back(points[i]);
+    box_.add(points[i]);
   }
-  box_ = box;
-  predicates_.set_box(box_);
-  points_.insert(points_.end(), points.begin(), points.end());
   vertex_slot_.resize(points_.size(), kEmpty);
+  predicates_.set_box(box_);
 }
 
 /// Moves the first K + 1 points of `order` that do not lie in a hyperplane to its front and makes a simplex of them.
@@ -425,36 +433,42 @@ void BowyerWatson<K>::reserve_for(std::size_t n_points) {
   const std::size_t expected = (K == 2 ? 2 * n_points : 69 * n_points / 10) + 64;
   simplices_.reserve(expected);
   state_.reserve(expected);
+  points_.reserve(n_points + 1);
+  vertex_.reserve(n_points + 1);
 }
 
 template <int K>
 void BowyerWatson<K>::insert(std::span<const Vec<K>> points, std::span<const std::uint32_t> hints) {
   if (points.empty()) return;
+  check_finite(points);
   const std::uint32_t first = n_vertices() + 1;
   const bool from_nothing = simplices_.empty();
-  const bool as_given = !from_nothing && !hints.empty() && points.size() <= kSmallBatch;
-  append_points(points);
-  std::vector<std::uint32_t> order;
-  if (as_given) {
-    order.resize(points.size());
+  std::vector<std::uint32_t> order(points.size());
+  if (!hints.empty() && points.size() <= kSmallBatch)
     std::iota(order.begin(), order.end(), 0U);
-  } else {
-    order = from_nothing || hints.empty() ? insertion_order<K>(points) : hilbert_order<K>(points);
-  }
+  else
+    order = hilbert_order<K>(points);
+  if (from_nothing) reserve_for(points.size());
+  append_points(points, order);
+  std::vector<std::uint32_t> schedule(points.size());
+  if (hints.empty())
+    schedule = insertion_rounds(points.size());
+  else
+    std::iota(schedule.begin(), schedule.end(), 0U);
   std::size_t next = 0;
   if (from_nothing) {
     try {
-      make_first_simplex(order);
+      make_first_simplex(schedule);
     } catch (const InputError&) {
       *this = BowyerWatson{};
       throw;
     }
     next = K + 1;
-    reserve_for(points.size());
   }
-  for (; next < order.size(); ++next) {
-    const std::uint32_t i = order[next];
-    const Slot hinted = hints.empty() || hints[i] == kNoHint ? kEmpty : vertex_slot_[hints[i] + 1];
+  for (; next < schedule.size(); ++next) {
+    const std::uint32_t i = schedule[next];
+    const std::uint32_t hint = hints.empty() ? kNoHint : hints[order[i]];
+    const Slot hinted = hint == kNoHint ? kEmpty : slot_of_vertex(hint);
     insert_vertex(first + i, hinted == kEmpty ? last_slot_ : hinted);
   }
 }

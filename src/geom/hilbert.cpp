@@ -12,14 +12,13 @@ namespace voropack {
 
 namespace {
 
-/// A point's key on the curve, with the number of its round in the four bits above it.
+/// A point and its key on the curve.
 struct Keyed {
   std::uint64_t key;
   std::uint32_t index;
   friend constexpr auto operator<=>(const Keyed&, const Keyed&) = default;
 };
 
-constexpr int kRoundShift = 60;
 constexpr int kMaxRounds = 16;
 /// A round is 2^3 times as large as all rounds before it.
 constexpr int kRoundRatioBits = 3;
@@ -67,7 +66,7 @@ constexpr CurveTable<K> kCurve{};
 /// Sorts `keyed` by key, then index: by bytes for many keys.
 void sort_keyed(std::vector<Keyed>& keyed) {
   constexpr std::size_t kEnoughForRadix = 1U << 14U;
-  constexpr unsigned kDigitBits = 11;
+  constexpr unsigned kDigitBits = 12;
   constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
   if (keyed.size() < kEnoughForRadix) {
     std::sort(keyed.begin(), keyed.end());
@@ -75,7 +74,7 @@ void sort_keyed(std::vector<Keyed>& keyed) {
   }
   // Stable passes from the lowest digit. Indices ascend at first, so ties stay ordered by index.
   std::vector<Keyed> other(keyed.size());
-  for (unsigned shift = 0; shift < 64; shift += kDigitBits) {
+  for (unsigned shift = 0; shift < 60; shift += kDigitBits) {
     std::array<std::size_t, kDigits> start{};
     for (const Keyed& k : keyed) ++start[(k.key >> shift) % kDigits];
     std::size_t sum = 0;
@@ -90,7 +89,7 @@ class Sorter {
  public:
   explicit Sorter(std::span<const Vec<K>> points) : points_(points) {}
 
-  /// Sorts `keyed`, whose entries name points and whose keys hold the round only.
+  /// Sorts `keyed`, whose entries name points, along a curve through their bounding box.
   void sort(std::vector<Keyed>& keyed) const {
     set_keys(keyed);
     const auto same_key = [](const Keyed& a, const Keyed& b) { return a.key == b.key; };
@@ -118,28 +117,19 @@ class Sorter {
       for (int axis = 0; axis < K; ++axis)
         cell[static_cast<std::size_t>(axis)] =
             static_cast<std::uint32_t>(std::min((points_[k.index][axis] - box.lo[axis]) * scale, top));
-      k.key |= hilbert_key<K>(cell);
+      k.key = hilbert_key<K>(cell);
     }
   }
 
   /// Sorts points that fell into one cell. The recursion ends because their box is at most a cell large.
   void refine(std::vector<Keyed>::iterator first, std::vector<Keyed>::iterator last) const {
     std::vector<Keyed> part(first, last);
-    for (Keyed& k : part) k.key = k.key >> kRoundShift << kRoundShift;
     sort(part);
     std::copy(part.begin(), part.end(), first);
   }
 
   std::span<const Vec<K>> points_;
 };
-
-template <int K>
-std::vector<std::uint32_t> order(std::span<const Vec<K>> points, std::vector<Keyed> keyed) {
-  if (!keyed.empty()) Sorter<K>(points).sort(keyed);
-  std::vector<std::uint32_t> indices(keyed.size());
-  for (std::size_t i = 0; i < keyed.size(); ++i) indices[i] = keyed[i].index;
-  return indices;
-}
 
 }  // namespace
 
@@ -160,28 +150,32 @@ template <int K>
 std::vector<std::uint32_t> hilbert_order(std::span<const Vec<K>> points) {
   std::vector<Keyed> keyed(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) keyed[i] = {0, static_cast<std::uint32_t>(i)};
-  return order<K>(points, std::move(keyed));
+  if (!keyed.empty()) Sorter<K>(points).sort(keyed);
+  std::vector<std::uint32_t> order(keyed.size());
+  for (std::size_t i = 0; i < keyed.size(); ++i) order[i] = keyed[i].index;
+  return order;
 }
 
-template <int K>
-std::vector<std::uint32_t> insertion_order(std::span<const Vec<K>> points) {
+std::vector<std::uint32_t> insertion_rounds(std::size_t n) {
   int n_rounds = 1;
-  for (std::uint64_t n = points.size() >> kRoundRatioBits; n >= kFirstRound && n_rounds < kMaxRounds;
-       n >>= kRoundRatioBits)
+  for (std::size_t m = n >> kRoundRatioBits; m >= kFirstRound && n_rounds < kMaxRounds; m >>= kRoundRatioBits)
     ++n_rounds;
-  std::vector<Keyed> keyed(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const int back = std::min(std::countr_zero(hash_words(i)) / kRoundRatioBits, n_rounds - 1);
-    keyed[i] = {static_cast<std::uint64_t>(n_rounds - 1 - back) << kRoundShift, static_cast<std::uint32_t>(i)};
-  }
-  return order<K>(points, std::move(keyed));
+  const auto round_of = [&](std::size_t i) {
+    return n_rounds - 1 - std::min(std::countr_zero(hash_words(i)) / kRoundRatioBits, n_rounds - 1);
+  };
+  std::array<std::size_t, kMaxRounds> next{};
+  for (std::size_t i = 0; i < n; ++i) ++next[static_cast<std::size_t>(round_of(i))];
+  std::size_t sum = 0;
+  for (std::size_t& m : next) sum += std::exchange(m, sum);
+  std::vector<std::uint32_t> order(n);
+  for (std::size_t i = 0; i < n; ++i)
+    order[next[static_cast<std::size_t>(round_of(i))]++] = static_cast<std::uint32_t>(i);
+  return order;
 }
 
 template std::uint64_t hilbert_key<2>(const std::array<std::uint32_t, 2>&);
 template std::uint64_t hilbert_key<3>(const std::array<std::uint32_t, 3>&);
 template std::vector<std::uint32_t> hilbert_order<2>(std::span<const Vec<2>>);
 template std::vector<std::uint32_t> hilbert_order<3>(std::span<const Vec<3>>);
-template std::vector<std::uint32_t> insertion_order<2>(std::span<const Vec<2>>);
-template std::vector<std::uint32_t> insertion_order<3>(std::span<const Vec<3>>);
 
 }  // namespace voropack

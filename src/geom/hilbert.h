@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,10 +25,10 @@ std::uint64_t hilbert_key(const std::array<std::uint32_t, K>& cell);
 template <int K>
 std::vector<std::uint32_t> hilbert_order(std::span<const Vec<K>> points);
 
-/// A biased randomized insertion order (Amenta, Choi, Rote, SoCG 2003): each round holds about eight times as many
-/// points as all before, chosen by a hash of the index, and runs along the Hilbert curve. An early round spreads over
-/// the whole box, so no later insertion meets simplices that are much longer than its own.
-template <int K>
-std::vector<std::uint32_t> insertion_order(std::span<const Vec<K>> points);
+/// A biased randomized insertion order (Amenta, Choi, Rote, SoCG 2003) of n points that are sorted along a Hilbert
+/// curve: the numbers 0 .. n - 1 in rounds, ascending in each. A round holds about eight times as many points as all
+/// before, chosen by a hash of the number. An early round spreads over the whole box, so no later insertion meets
+/// simplices that are much longer than its own.
+std::vector<std::uint32_t> insertion_rounds(std::size_t n);
 
 }  // namespace voropack
