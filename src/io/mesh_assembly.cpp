@@ -28,25 +28,35 @@ template <std::size_t K>
            listing.lines.empty() ? std::nullopt : std::optional(listing.lines[i]));
 }
 
+/// Programs list corners in one of two senses, or in any. Where three quarters of the simplices agree, that is the
+/// sense of all, and the rest are turned inside out: they stay so, for a check to name them. Otherwise each is made
+/// positive by itself.
 template <int D>
 void orient(const Mesh<D>& mesh, Listing<D + 1>& simplices) {
-  std::atomic<std::size_t> first_flat = simplices.vertices.size();
-  parallel_for(simplices.vertices.size(), [&](std::size_t s) {
-    auto& c = simplices.vertices[s];
-    int sign = 0;
+  std::vector<std::int8_t> sign(simplices.vertices.size());
+  parallel_for(sign.size(), [&](std::size_t s) {
+    const auto& c = simplices.vertices[s];
     if constexpr (D == 2)
-      sign = orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]);
+      sign[s] = static_cast<std::int8_t>(orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]));
     else
-      sign = orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]], mesh.points[c[3]]);
-    if (sign < 0) std::swap(c[D - 1], c[D]);
-    if (sign == 0)
-      for (std::size_t seen = first_flat; s < seen && !first_flat.compare_exchange_weak(seen, s);) continue;
+      sign[s] = static_cast<std::int8_t>(
+          orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]], mesh.points[c[3]]));
   });
-  if (first_flat == simplices.vertices.size()) return;
-  fail_at(simplices, first_flat, "mesh.flat_simplex",
-          element_text(simplices, D == 2 ? "triangle" : "tetrahedron", first_flat) +
-              (D == 2 ? " has zero area" : " has zero volume"),
-          "remove it, or move one of its vertices");
+  const auto flat = std::find(sign.begin(), sign.end(), 0);
+  if (flat != sign.end()) {
+    const auto s = static_cast<std::size_t>(flat - sign.begin());
+    fail_at(simplices, s, "mesh.flat_simplex",
+            element_text(simplices, D == 2 ? "triangle" : "tetrahedron", s) +
+                (D == 2 ? " has zero area" : " has zero volume"),
+            "remove it, or move one of its vertices");
+  }
+  const auto n_negative = static_cast<std::size_t>(std::count(sign.begin(), sign.end(), -1));
+  const bool all_positive = 4 * n_negative <= sign.size(), all_negative = 4 * n_negative >= 3 * sign.size();
+  if (all_positive) return;
+  parallel_for(sign.size(), [&](std::size_t s) {
+    auto& c = simplices.vertices[s];
+    if (all_negative || sign[s] < 0) std::swap(c[D - 1], c[D]);
+  });
 }
 
 /// Which entries of a listing occur in the mesh, and whether the mesh has nothing of the kind that is not listed.
@@ -95,16 +105,6 @@ VertexSetTable<K> make_table(const Listing<K>& listing, std::string_view kind) {
   return table;
 }
 
-template <std::size_t K>
-void check_all_found(const Listing<K>& listing, const Occurrence& occurrence, std::string_view kind) {
-  for (std::size_t i = 0; i < listing.vertices.size(); ++i)
-    if (occurrence.found[i] == 0)
-      fail_at(listing, i, fmt::format("io.{}_not_in_mesh", kind),
-              fmt::format("{} is not {} of any simplex", element_text(listing, kind, i),
-                          kind == "face" ? "a face" : "an edge"),
-              fmt::format("remove it, or check that the {}s belong to these simplices", kind));
-}
-
 /// Calls visit(s, i) for every face of the mesh once: opposite to corner i of simplex s.
 template <int D, class Visit>
 void visit_faces(const Mesh<D>& mesh, SimplexId s, const Visit& visit) {
@@ -122,7 +122,6 @@ void assemble_boundary(Mesh<D>& mesh, const Listing<D>& boundary) {
       mesh.points.size(), mesh.simplex_vertices.size(), boundary, table, [&](SimplexId s, const auto& visit) {
         visit_faces<D>(mesh, s, [&](int i, SimplexId) { visit(opposite_face<D>(mesh.simplex_vertices[s], i)); });
       });
-  check_all_found(boundary, occurrence, kind);
 
   // Hull faces and interfaces, listed or not.
   std::vector<std::uint8_t> must_be_kept(boundary.vertices.size(), 0);
@@ -159,7 +158,6 @@ void assemble_segments(Mesh<3>& mesh, const Listing<2>& segments) {
                                                         for (std::size_t j = i + 1; j < corners.size(); ++j)
                                                           visit({corners[i], corners[j]});
                                                     });
-  check_all_found(segments, occurrence, "edge");
   for (std::size_t i = 0; i < segments.vertices.size(); ++i) {
     const int marker = segments.markers.empty() ? 0 : segments.markers[i];
     if (occurrence.lists_all && marker == 0) continue;

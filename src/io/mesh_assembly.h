@@ -22,14 +22,16 @@ struct Listing {
 };
 
 /// Fills `mesh`, which has points and optional vertex data: simplices from `simplices` (their `markers` are the
-/// regions; region 1 if empty), made positively oriented; their neighbors; `boundary` and every unlisted hull face and
-/// interface with marker 0; `segments` (3D).
+/// regions; region 1 if empty), positively oriented but for the few that the file turns inside out; their neighbors;
+/// `boundary` and every unlisted hull face and interface with marker 0; `segments` (3D).
 ///
 /// A file that lists *all* faces or edges of the mesh, as `tetgen -f -e` and `triangle -e` write, does not mean them
 /// all: of such a list, faces inside a region and edges are kept only if their marker is not 0.
 ///
-/// Throws: InputError mesh.flat_simplex, mesh.nonmanifold, mesh.overlapping_simplices, io.face_not_in_mesh,
-///         io.edge_not_in_mesh, io.duplicate_face, io.duplicate_edge.
+/// A listed face or edge that no simplex has is kept: `certify` names it.
+///
+/// Throws: InputError mesh.flat_simplex, mesh.nonmanifold, mesh.overlapping_simplices, io.duplicate_face,
+///         io.duplicate_edge.
 template <int D>
 void assemble_mesh(Mesh<D>& mesh, Listing<D + 1> simplices, const Listing<D>& boundary, const Listing<2>& segments);
 
