@@ -1,7 +1,9 @@
 // The cells as polygons and polyhedra, from the rings of simplices around vertices and edges.
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <tuple>
 
 #include "dual/shape_points.h"
 #include "mesh/incidence.h"
@@ -141,7 +143,7 @@ void trace_dual_face(const Mesh<3>& mesh, const ShapePoints<3>& points, VertexId
     }
   }
   if (!closed) {
-    polygon.push_back(points.midpoint(i, j));
+    if (points.is_crease(i, j)) polygon.push_back(points.midpoint(i, j));
     polygon.push_back(points.wall(c.s, static_cast<int>(c.l)));
   }
   const SimplexId first = c.s;
@@ -176,8 +178,14 @@ class PolyhedronBuilder {
   }
 
  private:
-  void add_face(const std::vector<std::uint32_t>& polygon, CellId inside, CellId outside) {
+  /// `polygon` is counterclockwise seen from outside of the cell `inside`. It is stored as seen from outside of the
+  /// first of its cells.
+  void add_face(std::vector<std::uint32_t> polygon, CellId inside, CellId outside) {
     if (polygon.size() < 3) return;
+    if (!outside.is_none() && outside < inside) {
+      std::reverse(polygon.begin(), polygon.end());
+      std::swap(inside, outside);
+    }
     shapes_.face_points.push_row(polygon);
     face_cells_.push_back({inside, outside});
   }
@@ -198,20 +206,67 @@ class PolyhedronBuilder {
     }
   }
 
-  /// The part of a wall that is nearest to one of its corners: a kite per corner.
+  /// The part of a wall triangle that is nearest to its corner v; `next` and `previous` are the other corners, in
+  /// counterclockwise order seen from outside.
+  struct Sector {
+    VertexId v;
+    CellId inside, outside;
+    VertexId next, previous;
+    std::uint32_t center;  ///< The circumcenter of the wall.
+    friend bool operator<(const Sector& a, const Sector& b) {
+      return std::tie(a.v, a.inside, a.outside, a.next) < std::tie(b.v, b.inside, b.outside, b.next);
+    }
+  };
+
+  /// A cell's face on a wall: the sectors around its site that lie in one plane, joined. One by one they would overlap
+  /// where triangles are obtuse.
   void add_wall_faces() {
+    std::vector<Sector> sectors;
     for (const auto& wall : points_.walls()) {
       std::array<VertexId, 3> f = face_vertices(mesh_, wall.simplex, wall.corner);
       std::swap(f[1], f[2]);  // Counterclockwise seen from outside.
       const SimplexId t = mesh_.simplex_neighbors[wall.simplex][static_cast<std::size_t>(wall.corner)];
       const int region = mesh_.simplex_region[wall.simplex];
-      for (std::size_t k = 0; k < 3; ++k) {
-        const VertexId v = f[k], next = f[(k + 1) % 3], previous = f[(k + 2) % 3];
-        std::vector<std::uint32_t> kite = {points_.site(v), points_.midpoint(v, next),
-                                           points_.wall(wall.simplex, wall.corner), points_.midpoint(v, previous)};
-        drop_repeats(kite);
-        const CellId outside = t.is_none() ? CellId::none() : cells_.find(v, mesh_.simplex_region[t]);
-        add_face(kite, cells_.find(v, region), outside);
+      for (std::size_t k = 0; k < 3; ++k)
+        sectors.push_back({f[k], cells_.find(f[k], region),
+                           t.is_none() ? CellId::none() : cells_.find(f[k], mesh_.simplex_region[t]), f[(k + 1) % 3],
+                           f[(k + 2) % 3], points_.wall(wall.simplex, wall.corner)});
+    }
+    std::sort(sectors.begin(), sectors.end());
+    for (std::size_t begin = 0, end = 0; begin < sectors.size(); begin = end) {
+      const Sector& first = sectors[begin];
+      while (end < sectors.size() && sectors[end].v == first.v && sectors[end].inside == first.inside &&
+             sectors[end].outside == first.outside)
+        ++end;
+      join_sectors({sectors.data() + begin, sectors.data() + end});
+    }
+  }
+
+  /// Sectors of one site between the same cells, ascending by `next`.
+  void join_sectors(std::span<const Sector> sectors) {
+    std::vector<std::uint8_t> used(sectors.size(), 0);
+    const auto is_start = [&](const Sector& s) { return points_.is_crease(s.v, s.next); };
+    for (const bool closed : {false, true}) {  // Chains from crease to crease, then what goes all around.
+      for (std::size_t i = 0; i < sectors.size(); ++i) {
+        if (used[i] != 0 || (!closed && !is_start(sectors[i]))) continue;
+        std::vector<std::uint32_t> polygon;
+        const Sector* s = &sectors[i];
+        if (!closed) polygon = {points_.site(s->v), points_.midpoint(s->v, s->next)};
+        for (;;) {
+          used[static_cast<std::size_t>(s - sectors.data())] = 1;
+          polygon.push_back(s->center);
+          if (points_.is_crease(s->v, s->previous)) {
+            polygon.push_back(points_.midpoint(s->v, s->previous));
+            break;
+          }
+          const auto after = std::find_if(sectors.begin(), sectors.end(), [&](const Sector& x) {
+            return x.next == s->previous && used[static_cast<std::size_t>(&x - sectors.data())] == 0;
+          });
+          if (after == sectors.end()) break;
+          s = &*after;
+        }
+        drop_repeats(polygon);
+        add_face(polygon, sectors[i].inside, sectors[i].outside);
       }
     }
   }

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "geom/circumcenter.h"
 #include "geom/predicates.h"
+#include "geom/tolerance.h"
 #include "mesh/simplex_faces.h"
 #include "voropack/error.h"
 
@@ -50,6 +52,7 @@ Vec<3> wall_position(const std::array<Vec<3>, 3>& p) { return triangle_circumcen
 template <int D>
 ShapePoints<D>::ShapePoints(const Mesh<D>& mesh) {
   list_walls(mesh);
+  find_creases(mesh);
   place(mesh);
   merge_coinciding(mesh);
 }
@@ -163,10 +166,50 @@ std::uint32_t ShapePoints<D>::wall_number(SimplexId s, int i) const {
 }
 
 template <int D>
-std::uint32_t ShapePoints<D>::midpoint_number(VertexId a, VertexId b) const {
+std::size_t ShapePoints<D>::wall_edge_index(VertexId a, VertexId b) const {
   const std::array<VertexId, 2> edge{std::min(a, b), std::max(a, b)};
-  const auto place = std::lower_bound(wall_edges_.begin(), wall_edges_.end(), edge);
-  return static_cast<std::uint32_t>(first_midpoint_ + static_cast<std::size_t>(place - wall_edges_.begin()));
+  return static_cast<std::size_t>(std::lower_bound(wall_edges_.begin(), wall_edges_.end(), edge) - wall_edges_.begin());
+}
+
+template <int D>
+std::uint32_t ShapePoints<D>::midpoint_number(VertexId a, VertexId b) const {
+  return static_cast<std::uint32_t>(first_midpoint_ + wall_edge_index(a, b));
+}
+
+/// An edge is no crease if exactly two walls meet there, between the same regions and in one plane, and it is no part
+/// of a segment.
+template <int D>
+void ShapePoints<D>::find_creases(const Mesh<D>& mesh) {
+  if constexpr (D == 3) {
+    constexpr std::uint32_t kNone = 0xffffffffU;
+    is_crease_.assign(wall_edges_.size(), 1);
+    std::vector<std::uint32_t> n_walls(wall_edges_.size(), 0), first(wall_edges_.size(), kNone);
+    const auto unit_normal = [&](std::uint32_t w) {
+      const auto p = face_positions(mesh, walls_[w].simplex, walls_[w].corner);
+      const Vec<3> n = cross(p[1] - p[0], p[2] - p[0]);
+      return n / norm(n);
+    };
+    const auto regions = [&](std::uint32_t w) {
+      const SimplexId s = walls_[w].simplex;
+      const SimplexId t = mesh.simplex_neighbors[s][static_cast<std::size_t>(walls_[w].corner)];
+      return std::pair(mesh.simplex_region[s], t.is_none() ? std::optional<int>() : mesh.simplex_region[t]);
+    };
+    for (std::uint32_t w = 0; w < walls_.size(); ++w) {
+      const auto f = face_vertices(mesh, walls_[w].simplex, walls_[w].corner);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t e = wall_edge_index(f[k], f[(k + 1) % 3]);
+        if (++n_walls[e] == 1) first[e] = w;
+        const bool flat = n_walls[e] == 2 && regions(first[e]) == regions(w) &&
+                          dot(unit_normal(first[e]), unit_normal(w)) > 0 &&
+                          norm(cross(unit_normal(first[e]), unit_normal(w))) < kCoplanarAngle;
+        is_crease_[e] = flat ? 0 : 1;
+      }
+    }
+    for (const auto& [a, b] : mesh.segment_edges) {
+      const std::size_t e = wall_edge_index(a, b);
+      if (e < wall_edges_.size() && wall_edges_[e] == std::array{std::min(a, b), std::max(a, b)}) is_crease_[e] = 1;
+    }
+  }
 }
 
 template class ShapePoints<2>;

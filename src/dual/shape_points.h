@@ -26,6 +26,9 @@ class ShapePoints {
   /// 3D: the midpoint of an edge of a wall.
   [[nodiscard]] std::uint32_t midpoint(VertexId a, VertexId b) const { return merged(midpoint_number(a, b)); }
 
+  /// 3D: false if the two walls at the edge continue each other in one plane, so that it is no corner of any cell.
+  [[nodiscard]] bool is_crease(VertexId a, VertexId b) const { return is_crease_[wall_edge_index(a, b)] != 0; }
+
   /// The walls, each from one side: that of the region with the lower id.
   struct Wall {
     SimplexId simplex;
@@ -45,6 +48,8 @@ class ShapePoints {
   [[nodiscard]] std::uint32_t merged(std::size_t p) const { return root(static_cast<std::uint32_t>(p)); }
   [[nodiscard]] std::uint32_t wall_number(SimplexId s, int i) const;
   [[nodiscard]] std::uint32_t midpoint_number(VertexId a, VertexId b) const;
+  [[nodiscard]] std::size_t wall_edge_index(VertexId a, VertexId b) const;
+  void find_creases(const Mesh<D>& mesh);
 
   struct Side {
     std::uint64_t key;  ///< simplex * (D + 1) + corner
@@ -53,6 +58,7 @@ class ShapePoints {
   std::vector<Wall> walls_;
   std::vector<Side> sides_;                          ///< Sorted by key.
   std::vector<std::array<VertexId, 2>> wall_edges_;  ///< Sorted. Empty in 2D.
+  std::vector<std::uint8_t> is_crease_;              ///< [wall_edges_.size()]
   std::vector<Vec<D>> positions_;
   std::vector<std::uint32_t> parent_;  ///< Union-find; the root has the lowest number of its set.
   std::size_t first_midpoint_ = 0, first_wall_ = 0, first_simplex_ = 0;

@@ -146,14 +146,23 @@ void write_cells(const CellShapes<D>& shapes, const ControlVolumes<D>& volumes, 
       out.erase(std::unique(out.begin(), out.end()), out.end());
     }
   };
+  // A face between two cells is listed as seen from outside of the first; VTK wants it so for each.
+  std::vector<CellId> first_cell(shapes.face_points.size());
+  if constexpr (D == 3)
+    for (const CellId c : ids<CellId>(n_cells))
+      for (const std::uint32_t face : shapes.cell_faces[c])
+        if (first_cell[face].is_none()) first_cell[face] = c;
   // VTK's face stream of a polyhedron: number of faces, then for each its number of points and its points.
-  const auto face_stream = [&shapes](std::size_t c, std::vector<std::uint64_t>& out) {
+  const auto face_stream = [&shapes, &first_cell](std::size_t c, std::vector<std::uint64_t>& out) {
     const auto faces = shapes.cell_faces[CellId(c)];
     out.push_back(faces.size());
     for (const std::uint32_t face : faces) {
       const auto points = shapes.face_points[DualFaceId(face)];
       out.push_back(points.size());
-      out.insert(out.end(), points.begin(), points.end());
+      if (first_cell[face] == CellId(c))
+        out.insert(out.end(), points.begin(), points.end());
+      else
+        out.insert(out.end(), points.rbegin(), points.rend());
     }
   };
 

@@ -21,7 +21,7 @@ class Help(CommandLineTest):
 
     def test_mesh_help_shows_defaults(self):
         text = self.succeed("mesh", "--help").stdout
-        for default in ["B=0.2", "A=0.45", "FORM=voronoi", "E=0.25", "KIND=lattice", "N=100000000"]:
+        for default in ["B=0.1", "A=0.45", "FORM=voronoi", "E=0.25", "KIND=lattice", "N=100000000"]:
             self.assertIn(default, text)
 
     def test_version(self):
