@@ -1,6 +1,6 @@
 #include <limits>
 
-#include "spacing/polytope_set.h"
+#include "spacing/pair_search.h"
 #include "voropack/spacing.h"
 
 namespace voropack {
@@ -23,7 +23,9 @@ LocalFeatureSize<D>& LocalFeatureSize<D>::operator=(LocalFeatureSize&&) noexcept
 
 template <int D>
 double LocalFeatureSize<D>::operator()(const Vec<D>& x) const {
-  return impl_->polytopes.smallest_pair_value(x, {1.0, 0.0}, std::numeric_limits<double>::infinity());
+  return search_pairs<D>(impl_->polytopes, nullptr, {1.0, 0.0}, x, std::numeric_limits<double>::infinity(),
+                         std::numeric_limits<std::size_t>::max())
+      .value;
 }
 
 template class LocalFeatureSize<2>;

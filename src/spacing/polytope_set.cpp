@@ -1,7 +1,6 @@
 #include "spacing/polytope_set.h"
 
 #include <algorithm>
-#include <queue>
 
 #include "base/random.h"
 
@@ -28,18 +27,6 @@ bool share_element(std::span<const std::uint32_t> a, std::span<const std::uint32
   }
   return false;
 }
-
-/// A node or item that waits to be looked at, nearest first; ties by number, so that the order is the same everywhere.
-struct Waiting {
-  double distance;
-  std::uint32_t number;
-  bool is_item;
-  friend bool operator<(const Waiting& a, const Waiting& b) {
-    if (a.distance != b.distance) return a.distance > b.distance;
-    if (a.is_item != b.is_item) return a.is_item;
-    return a.number > b.number;
-  }
-};
 
 }  // namespace
 
@@ -190,59 +177,6 @@ double PolytopeSet<D>::distance_between(std::uint32_t p, std::uint32_t q) const 
       for (std::uint32_t j = begin; j < end; ++j) consider(j);
   }
   return best;
-}
-
-template <int D>
-auto PolytopeSet<D>::search_pairs(const Vec<D>& x, PairWeights weights, double bound, std::size_t max_met) const
-    -> Search {
-  if (tree_.empty()) return {bound, 0};
-  double best = bound;
-  std::vector<Waiting> heap;
-  heap.reserve(64);
-  struct Met {
-    Box<D> box;
-    std::uint32_t polytope;
-  };
-  std::vector<Met> near;  // The polytopes met so far, nearest first.
-  near.reserve(64);
-  const auto push = [&](double distance, std::uint32_t number, bool is_item) {
-    if (!(weights.slope * distance < best)) return;
-    heap.push_back({distance, number, is_item});
-    std::push_heap(heap.begin(), heap.end());
-  };
-  push(std::sqrt(tree_.nodes()[0].box.distance_sq(x)), 0, false);
-  while (!heap.empty()) {
-    std::pop_heap(heap.begin(), heap.end());
-    const Waiting next = heap.back();
-    heap.pop_back();
-    const double reach = weights.slope * next.distance;
-    if (!(reach < best)) break;
-    if (!next.is_item) {
-      const auto& node = tree_.nodes()[next.number];
-      if (node.count == 0) {
-        for (std::uint32_t c = node.first; c < node.first + 2; ++c)
-          push(std::sqrt(tree_.nodes()[c].box.distance_sq(x)), c, false);
-      } else {
-        for (std::uint32_t i : tree_.items(node)) push(item_distance(i, x), i, true);
-      }
-      continue;
-    }
-    const std::uint32_t p = item_owner_[next.number];
-    if (std::any_of(near.begin(), near.end(), [p](const Met& met) { return met.polytope == p; })) continue;
-    const Box<D>& box = polytope_box_[p];
-    for (const Met& met : near) {
-      const std::uint32_t q = met.polytope;
-      if (weights.gap == 0) {
-        if (disjoint(p, q)) return {reach, near.size()};  // Nearest first: no later pair is smaller.
-        continue;
-      }
-      if (!(reach + weights.gap * box_distance(box, met.box) < best) || !is_maximal_pair(p, q)) continue;
-      best = std::min(best, reach + weights.gap * distance_between(p, q));
-    }
-    near.push_back({box, p});
-    if (near.size() >= max_met && best < bound) break;
-  }
-  return {best, near.size()};
 }
 
 template class PolytopeSet<2>;

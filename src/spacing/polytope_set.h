@@ -1,9 +1,7 @@
-// The polytopes of dimension < D of a domain as metric objects: their distances, which of them meet, and the nearest
-// disjoint pair.
+// The polytopes of dimension < D of a domain as metric objects: their distances, and which of them meet.
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <vector>
 
@@ -58,18 +56,6 @@ class PolytopeSet {
   /// d(p, q) of a disjoint pair.
   [[nodiscard]] double distance_between(std::uint32_t p, std::uint32_t q) const;
   [[nodiscard]] const Box<D>& box(std::uint32_t p) const { return polytope_box_[p]; }
-
-  struct Search {
-    double value;
-    std::size_t n_met;  ///< Polytopes looked at: what the search cost.
-  };
-  /// The least of `bound` and the pairs' contributions at x, by nearest-first search. Stops when it has looked at
-  /// `max_met` polytopes and some of them gave less than `bound`; then the value is an upper bound.
-  [[nodiscard]] Search search_pairs(const Vec<D>& x, PairWeights weights, double bound, std::size_t max_met) const;
-  /// The same without a limit, hence exact.
-  [[nodiscard]] double smallest_pair_value(const Vec<D>& x, PairWeights weights, double bound) const {
-    return search_pairs(x, weights, bound, std::numeric_limits<std::size_t>::max()).value;
-  }
 
  private:
   void add_polytope(const SmallSimplex<D>& simplex);

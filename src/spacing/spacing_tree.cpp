@@ -99,7 +99,7 @@ double SpacingTree<D>::operator()(const Vec<D>& x) const {
   // The value at the center bounds the search from the beginning.
   best = std::min(best, (leaf.value + sources_->sizes.slope() * from_center) * (1 + kBoundSlack));
   if (leaf.search_atoms) best = sources_->sizes.minimum(x, best);
-  if (leaf.search_pairs) best = sources_->polytopes.smallest_pair_value(x, sources_->weights, best);
+  if (leaf.search_pairs) best = sources_->pairs(x, best).value;
   return best;
 }
 

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
-#include <tuple>
 #include <type_traits>
 
 #include "base/parallel.h"
@@ -116,8 +116,12 @@ struct SpacingTree<D>::Builder {
 
   void build(Observer& observer) {
     auto all = std::make_shared<Lists>();
-    all->items.resize(polytopes.n_items());
-    for (std::uint32_t i = 0; i < all->items.size(); ++i) all->items[i] = i;
+    if (sources.table.is_built()) {
+      all->items = sources.table.items();
+    } else {
+      all->items.resize(polytopes.n_items());
+      std::iota(all->items.begin(), all->items.end(), 0U);
+    }
     all->atoms.resize(sources.sizes.size());
     for (std::uint32_t i = 0; i < all->atoms.size(); ++i) all->atoms[i].index = i;
     all->regions = sources.sizes.regions();
@@ -246,7 +250,7 @@ struct SpacingTree<D>::Builder {
     if (parent.is_paired) {
       for (const WorkPair& pair : parent.pairs) least = std::min(least, value_of(pair, owners));
     } else {
-      const auto search = polytopes.search_pairs(m, sources.weights, cell.value, kMaxMet);
+      const auto search = sources.pairs(m, cell.value, kMaxMet);
       cell.search_is_cheap = search.n_met < kMaxMet;
       if (search.value < cell.value) least = search.value;
     }
@@ -267,7 +271,9 @@ struct SpacingTree<D>::Builder {
     }
     std::vector<double> kept;
     for (std::size_t i = 0; i < parent.items.size(); ++i) {
-      if (!matters(slope * (distances[i] - h), limit, lists.constant)) continue;
+      const double gap =
+          sources.table.is_built() ? sources.table.least_gap(polytopes.item_owner(parent.items[i])) : 0.0;
+      if (!matters(slope * (distances[i] - h) + gap, limit, lists.constant)) continue;
       lists.items.push_back(parent.items[i]);
       kept.push_back(distances[i]);
     }
@@ -298,46 +304,53 @@ struct SpacingTree<D>::Builder {
     });
   }
 
-  /// Pairs of what is in the cell, the most promising first, so that exact distances are needed for few.
+  /// Keeps the pairs of what is in the cell that can be smallest there.
   void form_pairs(Cell& cell, const Vec<D>& m, double h) const {
     Lists& lists = *cell.lists;
     std::vector<double> distances;
     for (std::uint32_t i : lists.items) distances.push_back(polytopes.item_distance(i, m));
     const auto owners = owner_distances(lists.items, distances);
-    const PairWeights w = sources.weights;
-    const double slack = w.slope * h;
-    std::vector<WorkPair> candidates;  // With lower bounds.
-    for (std::size_t i = 0; i < owners.size(); ++i) {
-      for (std::size_t j = 0; j < i; ++j) {
-        const auto [p, d_p] = owners[i];
-        const auto [q, d_q] = owners[j];
-        const double reach = w.slope * std::max(d_p, d_q);
-        if (!matters(reach - slack, cell.limit, lists.constant)) continue;
-        const double offset = w.gap > 0 ? w.gap * box_distance(polytopes.box(p), polytopes.box(q)) : 0.0;
-        if (matters(reach + offset - slack, cell.limit, lists.constant))
-          candidates.push_back({p, q, offset, reach + offset});
-      }
-    }
-    const auto before = [](const WorkPair& a, const WorkPair& b) {
-      return std::tuple(a.at_center, a.p, a.q) < std::tuple(b.at_center, b.p, b.q);
+    const double slope = sources.weights.slope;
+    const double slack = slope * h;
+    const auto add = [&](std::uint32_t p, std::uint32_t q, double reach, double offset) {
+      const double at_center = reach + offset;
+      if (!matters(at_center - slack, cell.limit, lists.constant)) return;
+      cell.value = std::min(cell.value, at_center);
+      cell.limit = std::min(cell.limit, at_center + slack);
+      lists.pairs.push_back({p, q, offset, at_center});
     };
-    std::sort(candidates.begin(), candidates.end(), before);
-    for (WorkPair pair : candidates) {
-      if (!matters(pair.at_center - slack, cell.limit, lists.constant)) break;
-      if (!polytopes.is_maximal_pair(pair.p, pair.q)) continue;
-      if (w.gap > 0) {
-        const double offset = w.gap * polytopes.distance_between(pair.p, pair.q);
-        pair.at_center += offset - pair.offset;
-        pair.offset = offset;
+    if (sources.table.is_built()) {
+      for (const auto& [p, d_p] : owners) {
+        for (const auto& partner : sources.table[p]) {
+          if (!matters(slope * d_p + partner.gap - slack, cell.limit, lists.constant)) break;
+          if (partner.polytope > p) continue;  // Each pair once.
+          const double d_q = lookup(owners, partner.polytope);
+          if (d_q < kInfinity) add(p, partner.polytope, slope * std::max(d_p, d_q), partner.gap);
+        }
       }
-      cell.value = std::min(cell.value, pair.at_center);
-      cell.limit = std::min(cell.limit, pair.at_center + slack);
-      lists.pairs.push_back(pair);
+    } else {
+      for_each_disjoint_pair(owners, cell.limit + slack, add);
     }
     std::erase_if(lists.pairs,
                   [&](const WorkPair& a) { return !matters(a.at_center - slack, cell.limit, lists.constant); });
     lists.is_paired = true;
     drop_unpaired_items(lists);
+  }
+
+  /// add(p, q, reach, offset) for all pairs that can be at most `limit` at the point to which the distances refer.
+  template <class Add>
+  void for_each_disjoint_pair(const OwnerDistances& owners, double limit, Add&& add) const {
+    const PairWeights w = sources.weights;
+    for (std::size_t i = 0; i < owners.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const auto [p, d_p] = owners[i];
+        const auto [q, d_q] = owners[j];
+        const double reach = w.slope * std::max(d_p, d_q);
+        if (reach > limit || reach + w.gap * box_distance(polytopes.box(p), polytopes.box(q)) > limit) continue;
+        if (polytopes.is_maximal_pair(p, q))
+          add(p, q, reach, w.gap > 0 ? w.gap * polytopes.distance_between(p, q) : 0.0);
+      }
+    }
   }
 
   [[nodiscard]] std::size_t count_polytopes(const Lists& lists) const {
