@@ -17,7 +17,7 @@ namespace voropack {
 ///
 /// An internal facet with the same region on both sides does not divide cells or dual faces.
 ///
-/// Cost: O(n); for each simplex of a Mesh<3> about 80 bytes at peak besides mesh and result.
+/// Cost: O(n); at peak about 80 bytes per simplex of a Mesh<3> besides the mesh, the result included.
 /// Throws: InputError mesh.degenerate_simplex  if a simplex is flat or negatively oriented.
 ///         LimitError dual.too_many_faces      if the dual faces exceed 32-bit ids.
 ///         Cancelled                           if the observer asks to stop.

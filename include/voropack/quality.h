@@ -31,17 +31,20 @@ struct QualityReport {
   };
   std::vector<Region> regions;         ///< Ascending by id.
   Spread radius_edge;                  ///< Circumradius over shortest edge, per simplex.
-  Spread edge_length;                  ///< Per edge.
-  Spread angle_deg;                    ///< Angles of triangles (2D) or of faces (3D).
+  Spread edge_length;                  ///< Per edge that has a dual face of positive area.
+  Spread angle_deg;                    ///< Angles of triangles (2D) or of faces (3D); mean and p99 to 0.01 degrees.
   std::optional<Spread> dihedral_deg;  ///< 3D.
   double volume_sum = 0;               ///< Sum of cell volumes.
   double domain_volume = 0;            ///< Sum of simplex volumes.
   double min_cell_volume = 0;
   double min_face_area = 0;
   std::uint64_t n_negative_faces = 0;
-  Spread cell_aspect;  ///< R/r of Theorem 2.4, per vertex: smallest enclosing over largest inscribed ball.
+  /// R/r of Theorem 2.4, per cell: smallest enclosing over largest inscribed ball; an upper bound where the region is
+  /// not convex at the site (docs/theory/quality.md).
+  Spread cell_aspect;
 };
 
+/// The same for any number of threads. O(n). Throws Cancelled if the observer asks to stop.
 template <int D>
 QualityReport measure_quality(const Mesh<D>& mesh, const ControlVolumes<D>& volumes,
                               Observer& observer = silent_observer());

@@ -22,8 +22,8 @@ struct FaceWeight {
 };
 
 /// The areas are promised to 1e-12 h^2. An interior edge has about five faces, each with |dot_k| / (4 L) <= h/2 at
-/// worst and about h/7 on average, so 4e-13 keeps the promise where the certified bounds are attained. True errors are
-/// smaller by a factor of 50 (docs/theory/dual.md).
+/// worst and about h/7 on average, so 4e-13 keeps the promise where the certified bounds are attained, and double
+/// precision certifies most faces (docs/theory/dual.md).
 inline constexpr double kFaceWeightError = 4e-13;
 
 /// q of a face between two simplices. (face..., above) is positively oriented, (face..., below) negatively.
