@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "sha256.h"
 #include "version.h"
@@ -27,7 +28,7 @@ Json input_json(const InputFile& input) {
   Json json;
   json["file"] = input.file;
   set_if_known(json, "sha256", input.sha256);
-  json["dimension"] = input.dimension;
+  set_if_known(json, "dimension", input.dimension);
   set_if_known(json, "points", input.points);
   set_if_known(json, "segments", input.segments);
   set_if_known(json, "facets", input.facets);
@@ -86,6 +87,8 @@ void add_quality(Json& json, const QualityReport& q) {
   if (q.n_cells > 0) dual["cell_aspect"] = spread_json(q.cell_aspect, {kMax, kP99, kMean});
   json["quality"] = std::move(quality);
   json["dual"] = std::move(dual);
+  json["quality"] = std::move(quality);
+  json["dual"] = std::move(dual);
 }
 
 Json certificate_json(const Certificate& certificate) {
@@ -119,7 +122,7 @@ std::uint64_t peak_memory_bytes() {
 
 }  // namespace
 
-InputFile describe_file(const std::filesystem::path& path, int dimension) {
+InputFile describe_file(const std::filesystem::path& path, std::optional<int> dimension) {
   InputFile input;
   input.file = path.string();
   input.sha256 = sha256_of_file(path);

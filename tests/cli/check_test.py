@@ -20,6 +20,7 @@ class Check(CommandLineTest):
         self.assertIn("FAILED", result.stdout)
         report = self.report()
         self.assertFalse(report["certificate"]["ok"])
+        self.assertNotEqual(report["certificate"]["checks"], [])
         return {check["name"] for check in report["certificate"]["checks"] if not check["ok"]}
 
     def test_an_untouched_mesh_passes_with_and_without_its_domain(self):

@@ -10,7 +10,9 @@ class Mesh(CommandLineTest):
         self.succeed("mesh", "domain.poly", "-o", "a.node", "--report", "report.json", *options)
         report = self.report()
         self.assert_certified(report["certificate"])
-        self.succeed("check", "a.node", "--domain", "domain.poly")
+        claims = [word for name in ("packing", "epsilon", "gradation") if name in report["options"]
+                  for word in (f"--{name}", report["options"][name])]
+        self.succeed("check", "a.node", "--domain", "domain.poly", *claims)
         return report
 
     def test_every_packing(self):
