@@ -62,12 +62,11 @@ ExitCode check_mesh(const Mesh<D>& mesh, const CheckArguments& arguments, StageT
   return report.certificate->ok ? ExitCode::kDone : ExitCode::kCheckFailed;
 }
 
-/// Faults of a file that can be read but whose parts contradict each other: its simplices are no mesh, or its faces are
-/// not theirs. To `check` that is a verdict; to any other command it is a bad input.
+/// Faults of a file that can be read but whose simplices are no mesh. To `check` that is a verdict; to any other
+/// command it is a bad input.
 bool is_contradiction(const Fault& fault) {
-  constexpr std::array<std::string_view, 7> kIds = {
-      "mesh.flat_simplex",   "mesh.nonmanifold",  "mesh.overlapping_simplices", "io.face_not_in_mesh",
-      "io.edge_not_in_mesh", "io.duplicate_face", "io.duplicate_edge"};
+  constexpr std::array<std::string_view, 5> kIds = {
+      "mesh.flat_simplex", "mesh.nonmanifold", "mesh.overlapping_simplices", "io.duplicate_face", "io.duplicate_edge"};
   return std::find(kIds.begin(), kIds.end(), fault.id) != kIds.end();
 }
 

@@ -87,8 +87,6 @@ void add_quality(Json& json, const QualityReport& q) {
   if (q.n_cells > 0) dual["cell_aspect"] = spread_json(q.cell_aspect, {kMax, kP99, kMean});
   json["quality"] = std::move(quality);
   json["dual"] = std::move(dual);
-  json["quality"] = std::move(quality);
-  json["dual"] = std::move(dual);
 }
 
 Json certificate_json(const Certificate& certificate) {

@@ -77,6 +77,13 @@ class Check(CommandLineTest):
         write_table(self.folder / "a.ele", ele_header, elements)
         self.assertTrue(self.failed_checks("--domain", "two.poly"))
 
+    def test_a_simplex_given_twice_is_found(self):
+        header, rows = self.table(".ele")
+        write_table(self.folder / "a.ele", [str(int(header[0]) + 1), *header[1:]],
+                    [*rows, [str(int(rows[-1][0]) + 1), *rows[0][1:]]])
+        self.assertEqual(self.failed_checks(), {"conformity"})
+        self.fail_with(2, "stats", "a.node", words="[mesh.")
+
     def test_a_wrong_spacing_is_found(self):
         header, rows = self.table(".node")
         rows[-1][4] = str(5 * float(rows[-1][4]))
