@@ -1,5 +1,8 @@
 // voropack check: the certificate of any mesh file, also one that another program wrote.
+#include <algorithm>
+#include <array>
 #include <memory>
+#include <string_view>
 
 #include "command.h"
 #include "print.h"
@@ -59,11 +62,46 @@ ExitCode check_mesh(const Mesh<D>& mesh, const CheckArguments& arguments, StageT
   return report.certificate->ok ? ExitCode::kDone : ExitCode::kCheckFailed;
 }
 
+/// Faults of a file that can be read but whose simplices are no mesh. To `check` that is a verdict; to any other
+/// command it is a bad input.
+bool is_contradiction(const Fault& fault) {
+  constexpr std::array<std::string_view, 5> kIds = {
+      "mesh.flat_simplex", "mesh.nonmanifold", "mesh.overlapping_simplices", "io.duplicate_face", "io.duplicate_edge"};
+  return std::find(kIds.begin(), kIds.end(), fault.id) != kIds.end();
+}
+
+/// The verdict on a mesh that contradicts itself: conformity fails, and nothing else can be tested.
+ExitCode reject(const InputError& error, const CheckArguments& arguments, const StageTimes& times, Session& session) {
+  Certificate certificate;
+  certificate.ok = false;
+  certificate.checks = {{.name = "conformity",
+                         .ok = false,
+                         .tested = error.faults().size(),
+                         .violations = error.faults().size(),
+                         .worst = {},
+                         .where = error.faults().front().message}};
+  Report report;
+  report.command = "check";
+  report.options = options_json(arguments);
+  report.input = describe_file(arguments.mesh, std::nullopt);
+  report.certificate = certificate;
+  report.times = times;
+  session.observer.log(LogLevel::kWarning, error.what());
+  session.finish(report, certificate_table(certificate));
+  return ExitCode::kCheckFailed;
+}
+
 ExitCode run_check(const CheckArguments& arguments, Session& session) {
   session.outputs.protect(arguments.mesh);
   session.observer.begin_stage("read");
   StageTimes times;
-  const AnyMesh mesh = timed(times, "read", [&] { return read_mesh(arguments.mesh, session.observer); });
+  AnyMesh mesh;
+  try {
+    mesh = timed(times, "read", [&] { return read_mesh(arguments.mesh, session.observer); });
+  } catch (const InputError& error) {
+    if (!is_contradiction(error.faults().front())) throw;
+    return reject(error, arguments, times, session);
+  }
   return std::visit([&](const auto& any) { return check_mesh(any, arguments, times, session); }, mesh);
 }
 

@@ -67,7 +67,7 @@ fs::path OutputSet::stage(const fs::path& target) {
   std::error_code error;
   if (!target.has_filename() || fs::is_directory(target, error)) throw cannot_write(target, "it is a folder");
   for (const Entry& entry : entries_)
-    if (fs::weakly_canonical(entry.target, error) == fs::weakly_canonical(target, error))
+    if (fs::weakly_canonical(fs::absolute(entry.target), error) == fs::weakly_canonical(fs::absolute(target), error))
       throw OptionError(Fault{.id = "cli.same_file",
                               .message = fmt::format("{} is given as output twice", target.string()),
                               .fix = "give each output its own name."});

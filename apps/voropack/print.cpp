@@ -91,7 +91,7 @@ std::string quality_table(const QualityReport& quality) {
   if (quality.dihedral_deg) text += spread_row("dihedral, deg", *quality.dihedral_deg);
   text += spread_row("edge length", quality.edge_length);
   text += spread_row("cell aspect R/r", quality.cell_aspect);
-  text += fmt::format("{:<18}{:>12}{:>12}\n", "cell volume", number(quality.min_cell_volume), "");
+  text += fmt::format("{:<18}{:>12}\n", "cell volume", number(quality.min_cell_volume));
   if (quality.n_negative_faces > 0)
     text += fmt::format("{:<18}{:>12}   of negative area\n", "dual faces", grouped(quality.n_negative_faces));
   return text;

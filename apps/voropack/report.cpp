@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "sha256.h"
 #include "version.h"
@@ -27,7 +28,7 @@ Json input_json(const InputFile& input) {
   Json json;
   json["file"] = input.file;
   set_if_known(json, "sha256", input.sha256);
-  json["dimension"] = input.dimension;
+  set_if_known(json, "dimension", input.dimension);
   set_if_known(json, "points", input.points);
   set_if_known(json, "segments", input.segments);
   set_if_known(json, "facets", input.facets);
@@ -119,7 +120,7 @@ std::uint64_t peak_memory_bytes() {
 
 }  // namespace
 
-InputFile describe_file(const std::filesystem::path& path, int dimension) {
+InputFile describe_file(const std::filesystem::path& path, std::optional<int> dimension) {
   InputFile input;
   input.file = path.string();
   input.sha256 = sha256_of_file(path);

@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 struct InputFile {
   std::string file;
   std::optional<std::string> sha256;
-  int dimension = 0;
+  std::optional<int> dimension;
   std::optional<std::uint64_t> points, segments, facets, regions;  ///< Known of a domain only, but for regions.
 };
 
@@ -48,7 +48,7 @@ struct Report {
 Json to_json(const Report& report);
 
 /// Name and hash of a file; counts are for the caller to fill in.
-InputFile describe_file(const std::filesystem::path& path, int dimension);
+InputFile describe_file(const std::filesystem::path& path, std::optional<int> dimension);
 
 template <int D>
 InputFile describe_domain(const std::filesystem::path& path, const Domain<D>& domain) {

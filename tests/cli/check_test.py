@@ -20,6 +20,7 @@ class Check(CommandLineTest):
         self.assertIn("FAILED", result.stdout)
         report = self.report()
         self.assertFalse(report["certificate"]["ok"])
+        self.assertNotEqual(report["certificate"]["checks"], [])
         return {check["name"] for check in report["certificate"]["checks"] if not check["ok"]}
 
     def test_an_untouched_mesh_passes_with_and_without_its_domain(self):
@@ -75,6 +76,13 @@ class Check(CommandLineTest):
         write_table(self.folder / "a.node", node_header, nodes)
         write_table(self.folder / "a.ele", ele_header, elements)
         self.assertTrue(self.failed_checks("--domain", "two.poly"))
+
+    def test_a_simplex_given_twice_is_found(self):
+        header, rows = self.table(".ele")
+        write_table(self.folder / "a.ele", [str(int(header[0]) + 1), *header[1:]],
+                    [*rows, [str(int(rows[-1][0]) + 1), *rows[0][1:]]])
+        self.assertEqual(self.failed_checks(), {"conformity"})
+        self.fail_with(2, "stats", "a.node", words="[mesh.")
 
     def test_a_wrong_spacing_is_found(self):
         header, rows = self.table(".node")

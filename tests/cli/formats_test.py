@@ -28,6 +28,8 @@ class Formats(CommandLineTest):
         self.succeed("convert", "b.vtu", "c.node")
         for extension in [".node", ".ele", ".face", ".edge"]:
             self.assertEqual(read_table(self.folder / f"a{extension}"), read_table(self.folder / f"c{extension}"))
+        self.succeed("convert", "a.vtu", "d.vtu")
+        self.assertEqual((self.folder / "a.vtu").read_bytes(), (self.folder / "d.vtu").read_bytes())
 
     @unittest.skipIf(meshio is None, "meshio is not installed")
     def test_meshio_reads_the_mesh(self):

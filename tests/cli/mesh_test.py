@@ -10,9 +10,9 @@ class Mesh(CommandLineTest):
         self.succeed("mesh", "domain.poly", "-o", "a.node", "--report", "report.json", *options)
         report = self.report()
         self.assert_certified(report["certificate"])
-        # What the packing claims is part of what is checked.
-        claim = options[options.index("--packing") :][:2] if "--packing" in options else ()
-        self.succeed("check", "a.node", "--domain", "domain.poly", *claim)
+        claims = [word for name in ("packing", "epsilon", "gradation") if name in report["options"]
+                  for word in (f"--{name}", report["options"][name])]
+        self.succeed("check", "a.node", "--domain", "domain.poly", *claims)
         return report
 
     def test_every_packing(self):

@@ -133,7 +133,7 @@ class WrongInputs(CommandLineTest):
                 self.fails(name, garbage, words=name)
         for name in ["a.vtu", "a.node"]:
             with self.subTest(name=name):
-                self.fails(name, garbage, command=("stats",), words=name)
+                self.fails(name, garbage, command=("stats",), words="a.")
 
     def test_an_open_box_is_refused_with_its_fault(self):
         lines = box_poly().splitlines()
