@@ -72,6 +72,7 @@ class BoxTree {
     const auto lower = [&](std::uint32_t n) {
       return nodes_[n].value + slope * std::sqrt(nodes_[n].box.distance_sq(x));
     };
+    const auto from_center = [&](std::uint32_t n) { return distance_sq(x, nodes_[n].box.center()); };
     stack[size++] = {lower(0), 0};
     while (size > 0) {
       const Entry entry = stack[--size];
@@ -83,7 +84,8 @@ class BoxTree {
       }
       Entry a{lower(node.first), node.first};
       Entry b{lower(node.first + 1), node.first + 1};
-      if (b.lower < a.lower) std::swap(a, b);
+      // The more promising child first; where x lies in both, the one whose middle is nearer.
+      if (b.lower < a.lower || (b.lower == a.lower && from_center(b.node) < from_center(a.node))) std::swap(a, b);
       stack[size++] = b;
       stack[size++] = a;
     }
@@ -92,7 +94,7 @@ class BoxTree {
 
  private:
   static constexpr std::size_t kLeafSize = 4;
-  static constexpr int kMaxDepth = 128;  // Median splits of at most 2^32 items: depth 32, two entries a level.
+  static constexpr int kMaxDepth = 128;  // At most 32 halvings and as many separations of large items, one entry each.
 
   void build(std::uint32_t at, std::size_t begin, std::size_t end, std::span<const Box<D>> boxes,
              std::span<const double> values) {
@@ -111,16 +113,7 @@ class BoxTree {
       nodes_[at].count = static_cast<std::uint32_t>(end - begin);
       return;
     }
-    int axis = 0;
-    for (int k = 1; k < D; ++k)
-      if (centers.hi[k] - centers.lo[k] > centers.hi[axis] - centers.lo[axis]) axis = k;
-    const std::size_t middle = (begin + end) / 2;
-    const auto at_index = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
-    std::nth_element(at_index(begin), at_index(middle), at_index(end), [&](std::uint32_t i, std::uint32_t j) {
-      const double ci = boxes[i].lo[axis] + boxes[i].hi[axis];
-      const double cj = boxes[j].lo[axis] + boxes[j].hi[axis];
-      return ci < cj || (ci == cj && i < j);
-    });
+    const std::size_t middle = split(begin, end, box, centers, boxes);
     const auto child = static_cast<std::uint32_t>(nodes_.size());
     nodes_[at].first = child;
     nodes_[at].count = 0;
@@ -128,6 +121,32 @@ class BoxTree {
     nodes_.emplace_back();
     build(child, begin, middle, boxes, values);
     build(child + 1, middle, end, boxes, values);
+  }
+
+  /// Orders [begin, end) and returns where its second half begins.
+  std::size_t split(std::size_t begin, std::size_t end, const Box<D>& box, const Box<D>& centers,
+                    std::span<const Box<D>> boxes) {
+    const auto at_index = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
+    // Large items apart, or they would make the boxes of small ones large.
+    const double large = 0.5 * box.diagonal();
+    const auto is_large = [&](std::uint32_t i) { return boxes[i].diagonal() > large; };
+    const auto small = std::stable_partition(at_index(begin), at_index(end), is_large);
+    if (small != at_index(begin) && small != at_index(end)) return static_cast<std::size_t>(small - order_.begin());
+    int axis = 0;
+    for (int k = 1; k < D; ++k)
+      if (centers.hi[k] - centers.lo[k] > centers.hi[axis] - centers.lo[axis]) axis = k;
+    const std::size_t middle = (begin + end) / 2;
+    std::nth_element(at_index(begin), at_index(middle), at_index(end), [&](std::uint32_t i, std::uint32_t j) {
+      // Ties, which regular input has many of, are broken by the other axes, or boxes would overlap.
+      for (int k = 0; k < D; ++k) {
+        const int along = (axis + k) % D;
+        const double ci = boxes[i].lo[along] + boxes[i].hi[along];
+        const double cj = boxes[j].lo[along] + boxes[j].hi[along];
+        if (ci != cj) return ci < cj;
+      }
+      return i < j;
+    });
+    return middle;
   }
 
   std::vector<Node> nodes_;
