@@ -21,7 +21,7 @@ constexpr double kOscillation = 0.1;
 constexpr int kFirstLevels = 4;
 /// Halvings along each axis at most, and cells in all: bounds time and memory for formulas that jump.
 constexpr int kLastLevel = 12;
-constexpr std::size_t kMaxCells = 200'000;
+constexpr std::size_t kMaxCells = 60'000;
 
 template <int D>
 struct Cell {

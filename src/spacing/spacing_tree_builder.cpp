@@ -41,10 +41,10 @@ constexpr double kSmallestSide = 1.0;
 /// A cell where a constant is smallest in one part and something else in another is split down to this multiple of f,
 /// so that the part where f is constant becomes known to `constant_on`.
 constexpr double kMixedSide = 8.0;
-/// No more cells than this, plus a few for each item.
+/// No more cells than this, plus a few for each item and one for two size atoms.
 constexpr std::size_t kBaseCells = 10'000;
-constexpr std::size_t kCellsPerItem = 2;
-constexpr std::size_t kMostCells = 1'000'000;
+constexpr std::size_t kCellsPerItem = 4;
+constexpr std::size_t kMostCells = 150'000;
 
 /// Outlines exist in 3D only.
 template <int D>
@@ -127,7 +127,7 @@ struct SpacingTree<D>::Builder {
     all->regions = sources.sizes.regions();
     all->constant = sources.constant;
     const std::size_t max_cells =
-        std::min(kMostCells, kBaseCells + kCellsPerItem * (all->items.size() + all->atoms.size()));
+        std::min(kMostCells, kBaseCells + kCellsPerItem * all->items.size() + all->atoms.size() / 2);
 
     tree.nodes_.assign(1, kLeafBit);
     std::vector<Cell> level(1);
