@@ -28,52 +28,26 @@ template <std::size_t K>
            listing.lines.empty() ? std::nullopt : std::optional(listing.lines[i]));
 }
 
-/// The sign of each simplex's measure as listed. Throws mesh.flat_simplex.
+/// Makes every simplex positive. Throws mesh.flat_simplex.
 template <int D>
-std::vector<std::int8_t> signs(const Mesh<D>& mesh, const Listing<D + 1>& simplices) {
-  std::vector<std::int8_t> sign(simplices.vertices.size());
-  parallel_for(sign.size(), [&](std::size_t s) {
-    const auto& c = simplices.vertices[s];
+void orient(const Mesh<D>& mesh, Listing<D + 1>& simplices) {
+  std::atomic<std::size_t> first_flat = simplices.vertices.size();
+  parallel_for(simplices.vertices.size(), [&](std::size_t s) {
+    auto& c = simplices.vertices[s];
+    int sign = 0;
     if constexpr (D == 2)
-      sign[s] = static_cast<std::int8_t>(orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]));
+      sign = orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]);
     else
-      sign[s] = static_cast<std::int8_t>(
-          orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]], mesh.points[c[3]]));
+      sign = orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]], mesh.points[c[3]]);
+    if (sign < 0) std::swap(c[D - 1], c[D]);
+    if (sign == 0)
+      for (std::size_t seen = first_flat; s < seen && !first_flat.compare_exchange_weak(seen, s);) continue;
   });
-  const auto flat = std::find(sign.begin(), sign.end(), 0);
-  if (flat == sign.end()) return sign;
-  const auto s = static_cast<std::size_t>(flat - sign.begin());
-  fail_at(simplices, s, "mesh.flat_simplex",
-          element_text(simplices, D == 2 ? "triangle" : "tetrahedron", s) +
+  if (first_flat == simplices.vertices.size()) return;
+  fail_at(simplices, first_flat, "mesh.flat_simplex",
+          element_text(simplices, D == 2 ? "triangle" : "tetrahedron", first_flat) +
               (D == 2 ? " has zero area" : " has zero volume"),
           "remove it, or move one of its vertices");
-}
-
-/// Orients each simplex positively and joins it with its neighbors. Where that makes two of them overlap, the file's
-/// own sense is tried, turned as a whole: then a vertex has been moved too far, and the simplices inside out stay so
-/// for a check to name them.
-template <int D>
-void orient_and_join(Mesh<D>& mesh, const Listing<D + 1>& simplices) {
-  const std::vector<std::int8_t> sign = signs<D>(mesh, simplices);
-  const auto n_negative = static_cast<std::size_t>(std::count(sign.begin(), sign.end(), -1));
-  const auto join = [&](auto&& is_swapped) {
-    mesh.simplex_vertices = IdVector<SimplexId, std::array<VertexId, D + 1>>(simplices.vertices);
-    for (std::size_t s = 0; s < sign.size(); ++s) {
-      auto& c = mesh.simplex_vertices[SimplexId(s)];
-      if (is_swapped(s)) std::swap(c[D - 1], c[D]);
-    }
-    build_neighbors(mesh);
-  };
-  try {
-    join([&](std::size_t s) { return sign[s] < 0; });
-  } catch (const InputError& error) {
-    if (error.id() != "mesh.overlapping_simplices") throw;
-    try {
-      join([&](std::size_t) { return 2 * n_negative > sign.size(); });
-    } catch (const InputError&) {
-      throw error;
-    }
-  }
 }
 
 /// Which entries of a listing occur in the mesh, and whether the mesh has nothing of the kind that is not listed.
@@ -187,15 +161,17 @@ void assemble_segments(Mesh<3>& mesh, const Listing<2>& segments) {
 
 template <int D>
 void assemble_mesh(Mesh<D>& mesh, Listing<D + 1> simplices, const Listing<D>& boundary, const Listing<2>& segments) {
+  orient<D>(mesh, simplices);
+  mesh.simplex_region = IdVector<SimplexId, int>(
+      simplices.markers.empty() ? std::vector<int>(simplices.vertices.size(), 1) : std::move(simplices.markers));
+  mesh.simplex_vertices = IdVector<SimplexId, std::array<VertexId, D + 1>>(std::move(simplices.vertices));
   try {
-    orient_and_join(mesh, simplices);
+    build_neighbors(mesh);
   } catch (const InputError& error) {
     std::vector<Fault> faults = error.faults();
     for (Fault& fault : faults) fault.file = simplices.file;
     throw InputError(std::move(faults));
   }
-  mesh.simplex_region = IdVector<SimplexId, int>(
-      simplices.markers.empty() ? std::vector<int>(simplices.vertices.size(), 1) : std::move(simplices.markers));
   assemble_boundary<D>(mesh, boundary);
   if constexpr (D == 3) assemble_segments(mesh, segments);
 }

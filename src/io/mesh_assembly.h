@@ -22,7 +22,7 @@ struct Listing {
 };
 
 /// Fills `mesh`, which has points and optional vertex data: simplices from `simplices` (their `markers` are the
-/// regions; region 1 if empty), positively oriented but for the few that the file turns inside out; their neighbors;
+/// regions; region 1 if empty), made positively oriented; their neighbors;
 /// `boundary` and every unlisted hull face and interface with marker 0; `segments` (3D).
 ///
 /// A file that lists *all* faces or edges of the mesh, as `tetgen -f -e` and `triangle -e` write, does not mean them
