@@ -7,6 +7,7 @@
 #include "spheres/active_cells.h"
 #include "spheres/pack_interior.h"
 #include "spheres/region_labels.h"
+#include "support/domains.h"
 
 namespace voropack {
 namespace {
@@ -27,6 +28,27 @@ PackingProblem<K> unit_problem(double f0, double b) {
   }
   p.spacing = graded<K>(f0, b);
   return p;
+}
+
+/// The sides of the unit box: region 0 inside.
+template <int K>
+WallLocator<K> unit_walls() {
+  const DomainInput<K> input = domains::unit_box<K>();
+  Walls<K> walls;
+  if constexpr (K == 2) {
+    for (const auto& s : input.segments) {
+      walls.simplices.push_back({input.points[s.points[0]], input.points[s.points[1]]});
+      walls.regions.push_back({0, Walls<K>::kOutside});
+    }
+  } else {
+    for (const auto& f : input.facets)
+      for (std::size_t k = 2; k < f.polygons[0].size(); ++k) {
+        const auto& p = f.polygons[0];
+        walls.simplices.push_back({input.points[p[0]], input.points[p[k - 1]], input.points[p[k]]});
+        walls.regions.push_back({Walls<K>::kOutside, 0});
+      }
+  }
+  return WallLocator<K>(std::move(walls));
 }
 
 template <int K>
@@ -51,6 +73,8 @@ void expect_packing(const std::vector<Ball<K>>& spheres, const PackingProblem<K>
 template <int K>
 void cells_hold_all_room(bool lattice, double b) {
   PackingProblem<K> p = unit_problem<K>(0.05, b);
+  const WallLocator<K> walls = unit_walls<K>();
+  p.walls = &walls;
   Vec<K> middle;
   for (int k = 0; k < K; ++k) middle[k] = 0.5;
   p.balls = {{middle, 0.2}};
@@ -190,16 +214,6 @@ TEST(RegionLabels, NamesFacesThatLeak) {
   const auto labels = label_regions<2>(c.kernel, c.faces);
   EXPECT_TRUE(labels.missing_faces.empty());
   EXPECT_NE(std::count(labels.leaking_faces.begin(), labels.leaking_faces.end(), 6U), 0);
-}
-
-TEST(RegionLabels, WithoutWallsEverythingFiniteIsRegionZero) {
-  CutSquare c;
-  c.kernel.insert(c.points);
-  const auto labels = label_regions<2>(c.kernel, {{{0, 1}, {0, 0}}});
-  for (std::uint32_t s = 0; s < c.kernel.n_slots(); ++s)
-    if (c.kernel.is_finite(s)) {
-      EXPECT_EQ(labels.region[s], 0);
-    }
 }
 
 }  // namespace
