@@ -191,6 +191,8 @@ TEST(MakeMesh, ReportsRepairsAsCapsOnTheSpacing) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     auto options = test::meshing_options<3>(all_fillings()[1]);
     options.packing.seed = seed;
+    options.gradation = 0.2;
+    options.feature_factor = 0.6;
     const auto r = make_mesh(domains::box_with_hole<3>(), options);
     EXPECT_TRUE(r.certificate.ok);
     EXPECT_EQ(r.repairs.empty(), r.repair_rounds == 0);
