@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <atomic>
 
-#include "geom/hilbert.h"
+#include "geom/space_filling_curve.h"
 #include "support/cases.h"
 #include "voropack/error.h"
 
