@@ -80,7 +80,7 @@ auto quotient(const Face<2>& face, const Apexes<2, 1>& apex) {
 /// Squares of bounds of the absolute errors of a Quotient's numbers, in units of the arithmetic's relative error.
 struct QuotientBound {
   double numerator_sq, above_sq, below_sq;
-  double edge_sq;  ///< L^2 of FaceWeight.
+  double edge_sq;  ///< L^2 of FaceWeight; 1 in 2D, where q has no unit.
 };
 
 constexpr double square(double x) { return x * x; }
@@ -92,7 +92,7 @@ inline QuotientBound error_bound(const Face<3>&, double b, double c, double d, d
 }
 
 inline QuotientBound error_bound(const Face<2>&, double b, double d, double e) {
-  return {square(24) * (b * (d * e) * (b + d + e)), square(6) * (b * d), square(6) * (b * e), b};
+  return {square(24) * (b * (d * e) * (b + d + e)), square(6) * (b * d), square(6) * (b * e), 1};
 }
 
 inline QuotientBound error_bound(const Face<3>&, double b, double c, double d) {
@@ -101,7 +101,7 @@ inline QuotientBound error_bound(const Face<3>&, double b, double c, double d) {
 }
 
 inline QuotientBound error_bound(const Face<2>&, double b, double d) {
-  return {square(10) * (d * (b + d)), square(6) * (b * d), 0, b};
+  return {square(10) * (d * (b + d)), square(6) * (b * d), 0, 1};
 }
 
 /// q if the bounds certify its sign and its size; NaN otherwise, also after an overflow or underflow.
@@ -133,15 +133,17 @@ Dd divide(const Quotient<Expansion, N>& q) {
   return q.numerator.approximate() / (Dd(2.0) * q.above.approximate() * q.below.approximate());
 }
 
-/// Face and apexes brought to about unit size: q = q(scaled) * scale.
+/// Face and apexes brought to about unit size. In 3D q is one over a length: q = q(scaled) * scale. In 2D it has no
+/// unit.
 template <int D, std::size_t N>
 struct Scaled {
-  double scale;
+  double q_scale;
   Face<D> face;
   Apexes<D, N> apex;
 
   Scaled(const Face<D>& f, const Apexes<D, N>& a) : face(f), apex(a) {
-    scale = std::min(unit_scale(f, f[0]), unit_scale(a, f[0]));
+    const double scale = std::min(unit_scale(f, f[0]), unit_scale(a, f[0]));
+    q_scale = D == 3 ? scale : 1;
     for (Vec<D>& p : face) p *= scale;
     for (Vec<D>& p : apex) p *= scale;
   }
@@ -152,7 +154,7 @@ template <int D, std::size_t N>
   const Scaled<D, N> unit(face, apex);
   double value = certified(unit.face, quotient<Dd>(unit.face, unit.apex), kDdUnit);
   if (std::isnan(value)) value = to_double(divide(quotient<Expansion>(unit.face, unit.apex)));
-  return {value * unit.scale, true};
+  return {value * unit.q_scale, true};
 }
 
 template <int D, std::size_t N>
@@ -166,7 +168,7 @@ template <int D, std::size_t N>
 Dd exact_weight(const Face<D>& face, const Apexes<D, N>& apex) {
   const Scaled<D, N> unit(face, apex);
   const Dd q = divide(quotient<Expansion>(unit.face, unit.apex));
-  return {q.hi * unit.scale, q.lo * unit.scale};
+  return {q.hi * unit.q_scale, q.lo * unit.q_scale};
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ namespace voropack {
 /// product of the two edges of f at k, and A_ij = h_ij q_f in 2D.
 ///
 /// The sign of `value` is exact. Its error is at most kFaceWeightError / L, where L is the longer of the edges of the
-/// face at its first corner. NaN if an apex lies on the plane of the face or on the wrong side of it.
+/// face at its first corner, and at most kFaceWeightError in 2D. NaN if an apex lies on the plane of the face or on the
+/// wrong side of it.
 struct FaceWeight {
   double value = 0;
   bool beyond_double = false;  ///< Double precision did not certify it.

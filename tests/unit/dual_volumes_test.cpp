@@ -152,6 +152,17 @@ TEST(Dual, RigidMotionsAndScalesLeaveTheAreas) {
   }
 }
 
+// Cocircular points leave double precision undecided: the way through more digits must follow the scale too.
+TEST(Dual, ScalesLeaveTheAreasOfCocircularPointsInThePlane) {
+  const auto unit = delaunay_mesh(perturbed_grid<2>(4, 0));
+  for (const double scale : {1e-3, 1e3, 1e12}) {
+    Mesh<2> scaled = unit;
+    for (Vec<2>& x : scaled.points) x = scale * Vec<2>{0.6 * x[0] - 0.8 * x[1], 0.8 * x[0] + 0.6 * x[1]};
+    const ControlVolumes<2> volumes = build_control_volumes(scaled);
+    EXPECT_NEAR(volume_sums(volumes).at(1), scale * scale, 1e-12 * scale * scale);
+  }
+}
+
 TEST(Dual, AnyNumberOfThreadsGivesTheSameBytes) {
   const auto mesh = delaunay_mesh<3>(perturbed_grid<3>(12, 1e-2, 1, true), halves);
   ControlVolumes<3> one, eight;

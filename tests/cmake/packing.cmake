@@ -1,0 +1,2 @@
+voropack_test(packing_test unit/packing_test.cpp)
+voropack_test(packing_spacing_test property/packing_spacing_test.cpp)

@@ -1,0 +1,2 @@
+voropack_test(conforming_mesh_test property/conforming_mesh_test.cpp)
+voropack_test(determinism_test property/determinism_test.cpp)
