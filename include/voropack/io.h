@@ -27,10 +27,10 @@ using AnyMesh = std::variant<Mesh<2>, Mesh<3>>;
 ///         in docs/formats.md. LimitError limit.ids, limit.memory. Cancelled.
 AnyDomainInput read_domain(const std::filesystem::path& path, Observer& observer = silent_observer());
 
-/// Reads a mesh by extension: .node (with .ele and, where present, .face, .edge) or .vtu. Orientation is made positive,
-/// but simplices that differ from most others of the file stay inverted for a check to find; neighbors are built; hull
-/// faces and interfaces that no file lists are added with marker 0; simplices without region get region 1. Throws as
-/// read_domain, and InputError mesh.flat_simplex, mesh.nonmanifold, mesh.overlapping_simplices, io.duplicate_face,
+/// Reads a mesh by extension: .node (with .ele and, where present, .face, .edge) or .vtu. Orientation is made positive;
+/// neighbors are built; hull faces and interfaces that no file lists are added with marker 0; listed faces and edges
+/// that no simplex has are kept, for `certify` to name; simplices without region get region 1. Throws as read_domain,
+/// and InputError mesh.flat_simplex, mesh.nonmanifold, mesh.overlapping_simplices, io.duplicate_face,
 /// io.duplicate_edge.
 AnyMesh read_mesh(const std::filesystem::path& path, Observer& observer = silent_observer());
 

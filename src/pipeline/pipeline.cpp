@@ -1,6 +1,8 @@
 #include "voropack/pipeline.h"
 
+#include <algorithm>
 #include <chrono>
+#include <span>
 
 #include "base/parallel.h"
 
@@ -71,6 +73,11 @@ MeshingResult<D> make_mesh(const DomainInput<D>& input, const MeshingOptions<D>&
     claims.gradation = options.gradation;
     claims.form = options.packing.form;
     claims.epsilon = options.packing.epsilon;
+    claims.spacing = [&](std::span<const double> x) {
+      Vec<D> p;
+      std::copy(x.begin(), x.end(), p.coord.begin());
+      return spacing(p);
+    };
     result.certificate =
         timed("certificate", [&] { return certify(result.mesh, result.volumes, &result.domain, claims, observer); });
   });
