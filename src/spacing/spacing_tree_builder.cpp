@@ -35,13 +35,13 @@ constexpr double kSearchVariation = 0.5;
 /// A cell with no more sources than this is not split for their number.
 constexpr std::size_t kFewSources = 32;
 /// Lists of size atoms longer than this are searched by tree.
-constexpr std::size_t kMaxAtoms = 256;
+constexpr std::size_t kMaxAtoms = 512;
 /// A cell with too many sources is split while its side exceeds this multiple of f.
 constexpr double kSmallestSide = 1.0;
 /// A cell where a constant is smallest in one part and something else in another is split down to this multiple of f,
 /// so that the part where f is constant becomes known to `constant_on`.
 constexpr double kMixedSide = 8.0;
-/// No more cells than this, plus a few for each item and one for two size atoms.
+/// No more cells than this, plus a few for each item and two for each size atom.
 constexpr std::size_t kBaseCells = 10'000;
 constexpr std::size_t kCellsPerItem = 4;
 constexpr std::size_t kMostCells = 150'000;
@@ -127,7 +127,7 @@ struct SpacingTree<D>::Builder {
     all->regions = sources.sizes.regions();
     all->constant = sources.constant;
     const std::size_t max_cells =
-        std::min(kMostCells, kBaseCells + kCellsPerItem * all->items.size() + all->atoms.size() / 2);
+        std::min(kMostCells, kBaseCells + kCellsPerItem * all->items.size() + 2 * all->atoms.size());
 
     tree.nodes_.assign(1, kLeafBit);
     std::vector<Cell> level(1);
