@@ -58,12 +58,13 @@ bool sphere_through(const Vec<D>& p, const Support<D>& subset, Ball<D>& ball) {
   return true;
 }
 
-/// The subsets of {0, ..., D} in ascending order of their size.
+/// The subsets of {0, ..., D} with 1 to D elements in descending order of their size: the support mostly grows or
+/// changes by one point, so that one of the first will do.
 template <int D>
 constexpr auto subsets_by_size() {
-  std::array<unsigned, (1U << (D + 1U)) - 1> masks{};
+  std::array<unsigned, (1U << (D + 1U)) - 2> masks{};
   std::size_t n = 0;
-  for (int size = 1; size <= D + 1; ++size)
+  for (int size = D; size >= 1; --size)
     for (unsigned mask = 1; mask < 1U << (D + 1U); ++mask)
       if (std::popcount(mask) == size) masks[n++] = mask;
   return masks;
@@ -79,7 +80,7 @@ bool enlarge(Support<D>& support, const Vec<D>& p, Ball<D>& ball) {
     bool fits = mask < 1U << static_cast<unsigned>(support.n);
     for (std::size_t k = 0; k <= D && fits; ++k)
       if ((mask >> k & 1U) != 0) subset.point[static_cast<std::size_t>(subset.n++)] = support.point[k];
-    if (!fits || subset.n > D || !sphere_through(p, subset, ball)) continue;
+    if (!fits || !sphere_through(p, subset, ball)) continue;
     // The smallest ball around some of the points that encloses them all is the smallest around all.
     const double reach_sq = ball.radius * ball.radius * (1 + kTolerance);
     for (std::size_t k = 0; k < static_cast<std::size_t>(support.n) && fits; ++k)
