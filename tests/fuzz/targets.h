@@ -30,9 +30,11 @@ bool is_sound(const DomainInput<D>& input) {
   return true;
 }
 
-/// True if some simplex has all the vertices of `set`.
+/// True if the vertices of `set` differ and some simplex has them all.
 template <int D, std::size_t K>
-bool occurs(const Mesh<D>& mesh, const std::array<VertexId, K>& set) {
+bool occurs(const Mesh<D>& mesh, std::array<VertexId, K> set) {
+  std::ranges::sort(set);
+  if (std::ranges::adjacent_find(set) != set.end()) return false;
   return std::ranges::any_of(mesh.simplex_vertices, [&](const auto& corners) {
     return std::ranges::all_of(set, [&](VertexId v) { return std::ranges::find(corners, v) != corners.end(); });
   });
