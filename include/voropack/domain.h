@@ -130,7 +130,7 @@ struct Domain {
 
 struct DomainOptions {
   /// Smallest angle between two polytopes, neither in the other, that is accepted. Degrees.
-  double min_angle_deg = 60.0;
+  double min_angle_deg = 0.0;
   /// Join coplanar facets of the same marker that meet at an edge with no third facet.
   bool merge_coplanar = true;
 };

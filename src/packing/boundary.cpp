@@ -1,16 +1,28 @@
 #include "packing/boundary.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numbers>
 
 #include "base/parallel.h"
 #include "base/random.h"
 #include "geom/circumball.h"
+#include "packing/book.h"
+#include "packing/corner.h"
 #include "packing/facet.h"
+#include "packing/strands.h"
 #include "spheres/pack_interior.h"
 
 namespace voropack {
 
 namespace {
+
+/// Polytopes that meet at less than this angle (radians) form a sharp feature: what is on both of them may be nearer to
+/// each other than f-spheres allow.
+constexpr double kSharpAngle = std::numbers::pi / 3;
 
 template <int D>
 LocalSpacing<1> spacing_along(const Spacing<D>& spacing, const Vec<D>& a, const Vec<D>& direction) {
@@ -24,14 +36,13 @@ LocalSpacing<1> spacing_along(const Spacing<D>& spacing, const Vec<D>& a, const 
           spacing.lipschitz()};
 }
 
-/// Arc lengths of the centers inside a segment, ascending.
+/// Arc lengths of the centers inside an untied segment of the random forms, ascending.
 template <int D>
 std::vector<double> pack_segment(const Domain<D>& domain, SegmentId segment, const Spacing<D>& spacing,
                                  const PackingOptions& options, const Observer& observer) {
   const Vec<D> a = domain.points[domain.segments[segment][0]], b = domain.points[domain.segments[segment][1]];
   const double length = distance(a, b);
   const LocalSpacing<1> along = spacing_along(spacing, a, (b - a) / length);
-  if (options.form == PackingForm::kVoronoi) return equidistribute(length, along);
   PackingProblem<1> problem;
   problem.bounds = Box<1>({0.0}, {length});
   problem.fixed = {{{0.0}, along.at({0.0})}, {{length}, along.at({length})}};
@@ -48,26 +59,34 @@ std::vector<double> pack_segment(const Domain<D>& domain, SegmentId segment, con
 template <int D>
 class BoundaryPacker {
  public:
-  BoundaryPacker(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options,
-                 const Observer& observer)
-      : domain_(domain), spacing_(spacing), options_(options), observer_(observer) {}
+  BoundaryPacker(const Domain<D>& domain, const Spacing<D>& spacing, Protection<D>& protection,
+                 const PackingOptions& options, const Observer& observer)
+      : domain_(domain), spacing_(spacing), protection_(protection), options_(options), observer_(observer) {}
 
   BoundaryPacking<D> run() {
+    protection_.begin_round();
     add_points();
     add_segments();
     find_intruders(0, 0);
-    if (!result_.faults.empty()) return std::move(result_);
     if constexpr (D == 3) {
-      const std::size_t n_spheres = result_.packing.center.size(), n_balls = result_.balls.size();
+      if (!is_well()) return std::move(result_);
+      const std::size_t n_spheres = packing().center.size(), n_balls = result_.balls.size();
+      starts_.resize(domain_.facet_frame.size());
+      add_fans();
+      add_books();
       add_facets();
       if (result_.faults.empty()) find_intruders(n_spheres, n_balls);
     }
-    if (result_.faults.empty()) find_overlaps();
+    if (is_well()) find_overlaps();
+    for (const SphereId s : ids(packing().center))
+      if (packing().radius[s] < spacing_(packing().center[s]) * (1 - kPackingSlack))
+        result_.tied.push_back({packing().center[s], 0.0, packing().radius[s]});
     return std::move(result_);
   }
 
  private:
   Packing<D>& packing() { return result_.packing; }
+  [[nodiscard]] bool is_well() const { return result_.faults.empty() && !result_.protects_more; }
 
   SphereId add(const Vec<D>& center, double radius, PolytopeId carrier) {
     packing().center.push_back(center);
@@ -80,30 +99,72 @@ class BoundaryPacker {
   }
 
   void add_segments() {
-    std::vector<std::vector<double>> positions(domain_.segments.size());
-    parallel_for(
-        positions.size(),
-        [&](std::size_t s) {
-          observer_.check_cancelled();
-          positions[s] = pack_segment(domain_, SegmentId(s), spacing_, options_, observer_);
-        },
-        1);
+    const std::vector<PackedStrand> strands = pack_strands(segment_strands(), segment_ties(), spacing_,
+                                                           D == 3 ? kTieJitter : 0.0, hash_words(options_.seed, 1));
     for (const SegmentId s : ids(domain_.segments)) {
       const auto [a, b] = domain_.segments[s];
       const Vec<D> start = domain_.points[a], end = domain_.points[b];
       const double length = distance(start, end);
+      const std::array<double, 2> rim = {protection_.corner_radius(a), protection_.corner_radius(b)};
       std::vector<SphereId> chain = {SphereId(a.value())};
-      for (const double t : positions[s.value()]) {
+      const auto append = [&](double t, double radius) {
         const Vec<D> x = point_between(start, end, t / length);
-        chain.push_back(add(x, spacing_(x), PolytopeId(s)));
-      }
+        chain.push_back(add(x, std::min(radius, spacing_(x)), PolytopeId(s)));
+      };
+      const double unlimited = std::numeric_limits<double>::infinity();
+      const PackedStrand& strand = strands[s.value()];
+      if (rim[0] > 0) append(rim[0], unlimited);
+      for (std::size_t k = 0; k < strand.position.size(); ++k) append(rim[0] + strand.position[k], strand.radius[k]);
+      if (rim[1] > 0) append(length - rim[1], unlimited);
       chain.push_back(SphereId(b.value()));
+      fit_radii(chain);
       spheres_of_segment_.push_row(chain);
       for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
         packing().subsegments.push_back({{chain[k], chain[k + 1]}, PolytopeId(s)});
         const Vec<D> p = packing().center[chain[k]], q = packing().center[chain[k + 1]];
         result_.balls.push_back({0.5 * (p + q), 0.5 * distance(p, q)});
       }
+    }
+  }
+
+  /// The segments between the corners at their ends.
+  std::vector<Strand<D>> segment_strands() {
+    std::vector<Strand<D>> strands;
+    for (const SegmentId s : ids(domain_.segments)) {
+      const auto [a, b] = domain_.segments[s];
+      const Vec<D> start = domain_.points[a], end = domain_.points[b];
+      const double length = distance(start, end), first = protection_.corner_radius(a);
+      const double last = protection_.corner_radius(b);
+      Strand<D> strand;
+      strand.length = length - first - last;
+      strand.at = [=](double t) { return point_between(start, end, (first + t) / length); };
+      if (options_.form != PackingForm::kVoronoi && first == 0 && last == 0)
+        strand.positions = [this, s] { return pack_segment(domain_, s, spacing_, options_, observer_); };
+      strands.push_back(std::move(strand));
+    }
+    return strands;
+  }
+
+  std::vector<Tie> segment_ties() {
+    std::vector<Tie> ties;
+    for (const auto& [p, groups] : protection_.fans.all())
+      for (const auto& segments : groups) {
+        Tie tie{{}, protection_.least_angle(p, segments), protection_.corner_radius(p)};
+        for (const SegmentId s : segments) tie.ends.push_back({s.value(), domain_.segments[s][1] == p});
+        ties.push_back(std::move(tie));
+      }
+    return ties;
+  }
+
+  /// Makes the spheres of a chain small enough not to overlap the next ones.
+  void fit_radii(const std::vector<SphereId>& chain) {
+    for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
+      double &r = packing().radius[chain[k]], &s = packing().radius[chain[k + 1]];
+      const double gap = distance(packing().center[chain[k]], packing().center[chain[k + 1]]);
+      if (gap >= (r + s) * (1 - kPackingSlack)) continue;
+      const double factor = gap / (r + s);
+      r *= factor;
+      s *= factor;
     }
   }
 
@@ -114,13 +175,105 @@ class BoundaryPacker {
     return x;
   }
 
+  /// The triangles around corners, and the centers on their arcs.
+  void add_fans() requires(D == 3) {
+    for (const FanArc& fan : pack_corners(domain_, protection_, spacing_, hash_words(options_.seed, 3))) {
+      const double radius = protection_.corner_radius(fan.apex);
+      std::vector<SphereId> rim;
+      if (!fan.sector.first.is_none()) rim.push_back(rim_sphere(fan.sector.first, fan.apex));
+      FacetStart& start = starts_[fan.facet.value()];
+      const auto append = [&](double t, double r) {
+        const Vec<3> x = point_of_arc(domain_, fan, radius, t);
+        rim.push_back(add(x, std::min(r, spacing_(x)), PolytopeId(fan.facet)));
+        start.spheres.push_back(rim.back());
+        apex_[rim.back()] = fan.apex;
+      };
+      if (fan.sector.first.is_none()) append(0, std::numeric_limits<double>::infinity());
+      for (std::size_t k = 0; k < fan.arc.position.size(); ++k) append(fan.arc.position[k], fan.arc.radius[k]);
+      rim.push_back(fan.sector.first.is_none() ? rim.front() : rim_sphere(fan.sector.second, fan.apex));
+      fit_radii(rim);
+      for (std::size_t k = 0; k + 1 < rim.size(); ++k)
+        start.fans.push_back({SphereId(fan.apex.value()), rim[k], rim[k + 1]});
+      start.reserved.add_disc({domain_.facet_frame[fan.facet].to_plane(domain_.points[fan.apex]), radius});
+    }
+  }
+
+  /// The center where a segment crosses the sphere of the corner at its end.
+  SphereId rim_sphere(SegmentId s, PointId corner) {
+    const auto chain = spheres_of_segment_[s];
+    const SphereId rim = domain_.segments[s][0] == corner ? chain[1] : chain[chain.size() - 2];
+    apex_[rim] = corner;
+    return rim;
+  }
+
+  /// The equal parts of pages, one book after the other: each keeps clear of what is in its pages already.
+  void add_books() requires(D == 3) {
+    for (const auto& [spine, groups] : protection_.books.all())
+      for (const auto& pages : groups) {
+        observer_.check_cancelled();
+        const BookZone& zone = *zones_.emplace_back(std::make_unique<BookZone>(domain_, protection_, spine, pages));
+        if (!(zone.largest_height() > 0)) continue;
+        std::vector<Ball<2>> obstacles, balls;
+        for (std::size_t k = 0; k < pages.size(); ++k) collect(zone, k, obstacles, balls);
+        const std::vector<Ball<2>> centers =
+            pack_book(zone, std::move(obstacles), std::move(balls), spacing_, options_, observer_);
+        const double wobble = kTieJitter * (1 - std::cos(protection_.least_angle(spine, pages)));
+        for (std::size_t k = 0; k < pages.size(); ++k) {
+          FacetStart& start = starts_[pages[k].facet.value()];
+          for (std::size_t i = 0; i < centers.size(); ++i) {
+            Vec<2> x = centers[i].center;
+            for (int axis = 0; axis < 2; ++axis) {
+              const auto h = hash_words(options_.seed, 5, spine.value(), k, i, axis);
+              x[axis] += wobble / std::numbers::sqrt2 * centers[i].radius * (2 * to_unit(h) - 1);
+            }
+            const Vec<3> p = zone.from_page(k, x);
+            start.spheres.push_back(
+                add(p, std::min(spacing_(p), centers[i].radius * (1 - 2 * wobble)), PolytopeId(pages[k].facet)));
+          }
+        }
+        for (const Page& page : pages)
+          if (&page == &pages.front() || page.facet != (&page - 1)->facet)
+            starts_[page.facet.value()].reserved.add(domain_, zone, page.facet);
+      }
+  }
+
+  /// What a book finds in its k-th page, in the page's coordinates.
+  void collect(const BookZone& zone, std::size_t k, std::vector<Ball<2>>& obstacles,
+               std::vector<Ball<2>>& balls) requires(D == 3) {
+    const FacetId facet = zone.pages()[k].facet;
+    const FacetStart& start = starts_[facet.value()];
+    const auto take = [&](SphereId s) {
+      const Vec<2> x = zone.to_page(k, packing().center[s]);
+      if (x[1] > -packing().radius[s]) obstacles.push_back({x, packing().radius[s]});
+    };
+    for (const PointId p : domain_.facet_points[facet]) take(SphereId(p.value()));
+    for (const SegmentId s : domain_.facet_segments[facet]) {
+      const auto chain = spheres_of_segment_[s];
+      for (const SphereId sphere : chain.subspan(1, chain.size() - 2)) take(sphere);
+      if (s != zone.spine()) continue;
+      for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
+        const Vec<2> a = zone.to_page(k, packing().center[chain[i]]),
+                     b = zone.to_page(k, packing().center[chain[i + 1]]);
+        balls.push_back({0.5 * (a + b), 0.5 * distance(a, b)});
+      }
+    }
+    for (const SphereId s : start.spheres) take(s);
+    for (const auto& fan : start.fans) {
+      std::array<Vec<2>, 3> corners;
+      for (std::size_t i = 0; i < 3; ++i) corners[i] = zone.to_page(k, packing().center[fan[i]]);
+      const Vec<2> c = circumcenter(corners);
+      if (c[1] > 0) balls.push_back({c, distance(c, corners[0])});
+    }
+  }
+
   void add_facets() requires(D == 3) {
     std::vector<PackedFacet> facets(domain_.facet_frame.size());
     parallel_for(
         facets.size(),
         [&](std::size_t f) {
           observer_.check_cancelled();
-          facets[f] = pack_facet(domain_, FacetId(f), packing(), spheres_of_segment_, spacing_, options_, observer_);
+          facets[f] = pack_facet(domain_, FacetId(f), packing(), spheres_of_segment_, starts_[f], spacing_, options_,
+                                 observer_);
         },
         1);
     for (const FacetId f : ids(domain_.facet_frame)) {
@@ -162,9 +315,39 @@ class BoundaryPacker {
         return false;
       });
     });
-    for (const auto& balls : hit)
-      for (const std::uint32_t b : balls)
-        result_.faults.push_back(repair_cap(result_.balls[b].center, result_.balls[b].radius, spacing_));
+    for (std::size_t s = 0; s < n; ++s)
+      for (const std::uint32_t b : hit[s]) answer(SphereId(s), b);
+  }
+
+  void answer(SphereId s, std::uint32_t ball) {
+    const Intrusion<D> intrusion{packing().center[s], packing().carrier[s], result_.balls[ball], carrier_of(ball),
+                                 apex_of(s, ball)};
+    if (const auto cap = protection_.adapt(intrusion, spacing_))
+      result_.faults.push_back(*cap);
+    else
+      result_.protects_more = true;
+  }
+
+  [[nodiscard]] PolytopeId carrier_of(std::uint32_t ball) const {
+    const auto& p = result_.packing;
+    return ball < p.subsegments.size() ? p.subsegments[ball].carrier : p.subfacets[ball - p.subsegments.size()].carrier;
+  }
+
+  /// The corner whose fan the ball or the center belongs to.
+  [[nodiscard]] std::optional<PointId> apex_of(SphereId s, std::uint32_t ball) const {
+    if (const auto it = apex_.find(s); it != apex_.end()) return it->second;
+    const auto& p = result_.packing;
+    if (ball >= p.subsegments.size())
+      for (const SphereId corner : p.subfacets[ball - p.subsegments.size()].spheres)
+        if (corner.value() < domain_.points.size() && protection_.corner_radius(PointId(corner.value())) > 0)
+          return PointId(corner.value());
+    return std::nullopt;
+  }
+
+  /// Spheres on two polytopes that meet at a small angle may overlap: they are as far apart as the angle allows.
+  [[nodiscard]] bool may_overlap(PolytopeId a, PolytopeId b) const {
+    const std::optional<double> angle = protection_.incidence.meeting_angle(a, b);
+    return angle && *angle < kSharpAngle;
   }
 
   void find_overlaps() {
@@ -175,6 +358,7 @@ class BoundaryPacker {
     parallel_for(set.size(), [&](std::size_t i) {
       set.visit_near(set[i].center, set[i].radius, [&](std::uint32_t j) {
         if (j >= i || !SphereSet<D>::overlap(set[j], set[i].center, set[i].radius)) return false;
+        if (may_overlap(packing().carrier[SphereId(i)], packing().carrier[SphereId(j)])) return false;
         partner[i] = j;
         return true;
       });
@@ -188,21 +372,27 @@ class BoundaryPacker {
 
   const Domain<D>& domain_;
   const Spacing<D>& spacing_;
+  Protection<D>& protection_;
   const PackingOptions& options_;
   const Observer& observer_;
   BoundaryPacking<D> result_;
   Csr<SegmentId, SphereId> spheres_of_segment_;
+  std::vector<FacetStart> starts_;                ///< By facet.
+  std::vector<std::unique_ptr<BookZone>> zones_;  ///< Reserved areas refer to them.
+  std::map<SphereId, PointId> apex_;              ///< Of centers on the spheres of corners.
 };
 
 }  // namespace
 
 template <int D>
-BoundaryPacking<D> pack_boundary(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options,
-                                 const Observer& observer) {
-  return BoundaryPacker<D>(domain, spacing, options, observer).run();
+BoundaryPacking<D> pack_boundary(const Domain<D>& domain, const Spacing<D>& spacing, Protection<D>& protection,
+                                 const PackingOptions& options, const Observer& observer) {
+  return BoundaryPacker<D>(domain, spacing, protection, options, observer).run();
 }
 
-template BoundaryPacking<2> pack_boundary(const Domain<2>&, const Spacing<2>&, const PackingOptions&, const Observer&);
-template BoundaryPacking<3> pack_boundary(const Domain<3>&, const Spacing<3>&, const PackingOptions&, const Observer&);
+template BoundaryPacking<2> pack_boundary(const Domain<2>&, const Spacing<2>&, Protection<2>&, const PackingOptions&,
+                                          const Observer&);
+template BoundaryPacking<3> pack_boundary(const Domain<3>&, const Spacing<3>&, Protection<3>&, const PackingOptions&,
+                                          const Observer&);
 
 }  // namespace voropack

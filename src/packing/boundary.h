@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "packing/protection.h"
 #include "spheres/packing_problem.h"
 #include "spheres/sphere_set.h"
 #include "voropack/domain.h"
@@ -14,15 +15,17 @@ namespace voropack {
 /// Spheres on points, segments and facets, the simplices they form, and the protecting balls of these.
 template <int D>
 struct BoundaryPacking {
-  Packing<D> packing;          ///< Without the interior.
-  std::vector<Ball<D>> balls;  ///< Of the subsegments, then of the subfacets.
-  std::vector<SpacingCap<D>>
-      faults;  ///< Where f must shrink, because a ball is not empty or two spheres overlap. Empty: all is well.
+  Packing<D> packing;                 ///< Without the interior.
+  std::vector<Ball<D>> balls;         ///< Of the subsegments, then of the subfacets.
+  std::vector<SpacingCap<D>> faults;  ///< Where f must shrink, because a ball is not empty or two spheres overlap.
+  bool protects_more = false;         ///< Something new is protected. If this is false and no fault: all is well.
+  std::vector<SpacingCap<D>> tied;    ///< Where a center has less than f, because another page or segment has less.
 };
 
+/// Packs under what `protection` protects by now, and adds to it what fails.
 template <int D>
-BoundaryPacking<D> pack_boundary(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options,
-                                 const Observer& observer);
+BoundaryPacking<D> pack_boundary(const Domain<D>& domain, const Spacing<D>& spacing, Protection<D>& protection,
+                                 const PackingOptions& options, const Observer& observer);
 
 /// How much f shrinks where a protecting ball is not empty.
 inline constexpr double kRepairFactor = 0.7;

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "base/random.h"
+#include "geom/circumball.h"
 #include "packing/boundary.h"
 
 namespace voropack {
@@ -42,8 +43,8 @@ std::vector<std::array<int, 2>> sides_of_segments(const Domain<3>& domain, Facet
 }  // namespace
 
 PackedFacet pack_facet(const Domain<3>& domain, FacetId facet, const Packing<3>& packing,
-                       const Csr<SegmentId, SphereId>& spheres_of_segment, const Spacing<3>& spacing,
-                       const PackingOptions& options, const Observer& observer) {
+                       const Csr<SegmentId, SphereId>& spheres_of_segment, const FacetStart& start,
+                       const Spacing<3>& spacing, const PackingOptions& options, const Observer& observer) {
   const PlaneFrame& frame = domain.facet_frame[facet];
   PackedFacet result;
   PackingProblem<2> problem;
@@ -53,6 +54,7 @@ PackedFacet pack_facet(const Domain<3>& domain, FacetId facet, const Packing<3>&
   }
   for (const SegmentId s : domain.facet_segments[facet])
     for (const SphereId sphere : spheres_of_segment[s]) result.boundary.push_back(sphere);
+  result.boundary.insert(result.boundary.end(), start.spheres.begin(), start.spheres.end());
   std::sort(result.boundary.begin(), result.boundary.end());
   result.boundary.erase(std::unique(result.boundary.begin(), result.boundary.end()), result.boundary.end());
   const auto local = [&](SphereId s) {
@@ -79,7 +81,14 @@ PackedFacet pack_facet(const Domain<3>& domain, FacetId facet, const Packing<3>&
   }
   const WallLocator<2> locator(std::move(walls));
   problem.walls = &locator;
-  problem.keep_far = true;
+  problem.far = &locator;
+  for (const auto& fan : start.fans) {
+    std::array<Vec<2>, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i) corners[i] = problem.fixed[local(fan[i])].center;
+    const Vec<2> c = circumcenter(corners);
+    problem.balls.push_back({c, distance(c, corners[0])});
+  }
+  if (!start.reserved.empty()) problem.reserved = &start.reserved;
   problem.spacing = spacing_in_plane(spacing, frame);
   problem.form = options.form;
   problem.interior = options.interior;

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "packing/book.h"
 #include "spheres/pack_interior.h"
 #include "voropack/domain.h"
 #include "voropack/packing.h"
@@ -20,9 +21,16 @@ struct PackedFacet {
   std::vector<SpacingCap<3>> faults;  ///< Where f must shrink, because a subsegment is not Delaunay in the facet.
 };
 
+/// What is packed of a facet before its interior.
+struct FacetStart {
+  std::vector<SphereId> spheres;              ///< Of corners and books, in the facet's interior.
+  std::vector<std::array<SphereId, 3>> fans;  ///< Triangles around corners: their circles must stay empty.
+  ReservedArea reserved;                      ///< Where only these may be.
+};
+
 /// `spheres_of_segment[s]`: the spheres along segment s, both ends included, in order.
 PackedFacet pack_facet(const Domain<3>& domain, FacetId facet, const Packing<3>& packing,
-                       const Csr<SegmentId, SphereId>& spheres_of_segment, const Spacing<3>& spacing,
-                       const PackingOptions& options, const Observer& observer);
+                       const Csr<SegmentId, SphereId>& spheres_of_segment, const FacetStart& start,
+                       const Spacing<3>& spacing, const PackingOptions& options, const Observer& observer);
 
 }  // namespace voropack

@@ -128,16 +128,23 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
   check_limits<D>(estimate_sphere_count(domain, spacing, options), options);
   const WallLocator<D> walls = locator_of(domain);
   std::vector<SpacingCap<D>> caps;
+  Protection<D> protection(domain);
   for (int round = 0; round <= options.max_repairs; ++round) {
     observer.check_cancelled();
     const Spacing<D> f = caps.empty() ? spacing : spacing.with_caps(caps);
-    BoundaryPacking<D> boundary = pack_boundary(domain, f, options, observer);
-    if (boundary.faults.empty()) {
-      const PackingProblem<D> problem = interior_problem(domain, f, boundary, walls, options);
+    BoundaryPacking<D> boundary = pack_boundary(domain, f, protection, options, observer);
+    if (boundary.faults.empty() && !boundary.protects_more) {
+      // What ties make smaller than f is a cap on f, so that all radii are values of one function.
+      std::vector<SpacingCap<D>> all_caps = caps;
+      all_caps.insert(all_caps.end(), boundary.tied.begin(), boundary.tied.end());
+      const Spacing<D> tied = all_caps.empty() ? spacing : spacing.with_caps(all_caps);
+      for (const SphereId s : ids(boundary.packing.center))
+        boundary.packing.radius[s] = tied(boundary.packing.center[s]);
+      const PackingProblem<D> problem = interior_problem(domain, tied, boundary, walls, options);
       PackedInterior<D> interior = pack_interior(problem, false, observer);
       if (interior.broken_faces.empty()) {
         append_interior(boundary.packing, std::move(interior));
-        boundary.packing.repairs = std::move(caps);
+        boundary.packing.repairs = std::move(all_caps);
         boundary.packing.repair_rounds = round;
         return std::move(boundary.packing);
       }
@@ -145,8 +152,10 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
       for (const std::uint32_t i : interior.broken_faces)
         boundary.faults.push_back(repair_cap(boundary.balls[first + i].center, boundary.balls[first + i].radius, f));
     }
-    observer.log(LogLevel::kInfo, fmt::format("{} protecting balls are not empty; f shrinks there (round {})",
-                                              boundary.faults.size(), round + 1));
+    observer.log(LogLevel::kInfo,
+                 fmt::format("round {}: f shrinks at {} places; {} fans, {} books and {} corners are protected",
+                             round + 1, boundary.faults.size(), protection.fans.all().size(),
+                             protection.books.all().size(), protection.corners.size()));
     caps.insert(caps.end(), boundary.faults.begin(), boundary.faults.end());
   }
   throw InternalError(

@@ -178,7 +178,8 @@ void fill_to_epsilon(ActiveCells<K>& cells, const PackingProblem<K>& problem) {
 template <int K>
 PackedInterior<K> pack_interior(const PackingProblem<K>& problem, bool want_triangulation, const Observer& observer) {
   const bool voronoi = problem.form == PackingForm::kVoronoi;
-  ActiveCells<K> cells(problem, voronoi && problem.interior == Interior::kLattice, observer);
+  const bool lattice = problem.interior == Interior::kLattice && (voronoi || problem.lattice_first);
+  ActiveCells<K> cells(problem, lattice, observer);
   if (voronoi && K > 1) {
     // One dart into each cell fills most of them. The circumcenters find the places that are left more cheaply than
     // further darts would.

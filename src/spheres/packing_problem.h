@@ -32,6 +32,18 @@ struct ProtectedFace {
   std::array<int, 2> regions;
 };
 
+/// A part of R^K.
+template <int K>
+class Area {
+ public:
+  virtual ~Area() = default;
+  [[nodiscard]] virtual bool holds(const Vec<K>& x) const = 0;
+  /// False only if no point of the box is in the area.
+  [[nodiscard]] virtual bool touches(const Box<K>& box) const = 0;
+  /// True only if the whole box is in the area.
+  [[nodiscard]] virtual bool covers(const Box<K>& box) const = 0;
+};
+
 template <int K>
 struct PackingProblem {
   Box<K> bounds;                          ///< Holds every region.
@@ -40,35 +52,43 @@ struct PackingProblem {
   std::vector<Ball<K>> balls;             ///< Protecting balls: no new center may enter.
   std::vector<ProtectedFace<K>> faces;    ///< The boundary of the regions.
   const WallLocator<K>* walls = nullptr;  ///< Where a point is; nullptr: all of `bounds` is region 0.
-  bool keep_far = false;                  ///< The far rule: centers keep 2 f from every wall (Definition 3.3).
+  const WallLocator<K>* far = nullptr;    ///< The far rule: centers keep 2 f from these walls (Definition 3.3).
+  const Area<K>* reserved = nullptr;      ///< Where no new center may be, although the regions reach there.
   LocalSpacing<K> spacing;
   PackingForm form = PackingForm::kVoronoi;
   Interior interior = Interior::kLattice;
   double epsilon = 0.25;
+  bool lattice_first = false;  ///< The forms that are random by definition start with a lattice, too.
   /// New centers move by up to this much, relative to f, at random: no four of them on a circle by symmetry.
   double jitter = 0;
   std::uint64_t seed = 1;
 
-  /// The region that holds x; negative outside. On a segment (K = 1) everything is region 0.
+  /// The region that holds x; negative outside and where it is reserved. On a segment (K = 1) everything is region 0.
   [[nodiscard]] int region_of(const Vec<K>& x) const {
-    if constexpr (K > 1)
+    if constexpr (K > 1) {
+      if (is_reserved(x)) return Walls<K>::kOutside;
       if (walls != nullptr) return walls->region(x);
+    }
     return 0;
   }
-  /// False only if no wall meets the box.
+  /// False only if region_of is the same all over the box.
   [[nodiscard]] bool meets_wall(const Box<K>& box) const {
-    if constexpr (K > 1) return walls != nullptr && walls->touches(box);
+    if constexpr (K > 1) {
+      if (reserved != nullptr && reserved->touches(box)) return !reserved->covers(box);
+      return walls != nullptr && walls->touches(box);
+    }
     return false;
   }
   /// True if the far rule holds here and x is nearer to a wall than `distance`.
   [[nodiscard]] bool breaks_far_rule(const Vec<K>& x, double distance) const {
-    if constexpr (K > 1) return keep_far && distance > 0 && walls != nullptr && walls->is_near(x, distance);
+    if constexpr (K > 1) return far != nullptr && distance > 0 && far->is_near(x, distance);
     return false;
   }
+  [[nodiscard]] bool is_reserved(const Vec<K>& x) const { return reserved != nullptr && reserved->holds(x); }
   /// True if `x` with radius f may join `set`: it keeps to the three rules of algorithm PACKING. Does not test where x
   /// is.
   [[nodiscard]] bool admits(const SphereSet<K>& set, const BallSet<K>& forbidden, const Vec<K>& x, double f) const {
-    return !set.conflicts(x, f) && !forbidden.forbids(x) && !breaks_far_rule(x, 2 * f);
+    return !set.conflicts(x, f) && !forbidden.forbids(x) && !is_reserved(x) && !breaks_far_rule(x, 2 * f);
   }
 };
 

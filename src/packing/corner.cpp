@@ -1,0 +1,56 @@
+#include "packing/corner.h"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace voropack {
+
+Vec<3> point_of_arc(const Domain<3>& domain, const FanArc& fan, double radius, double arc_length) {
+  const PlaneFrame& frame = domain.facet_frame[fan.facet];
+  const double angle = fan.sector.begin + arc_length / radius;
+  return domain.points[fan.apex] + radius * (std::cos(angle) * frame.u + std::sin(angle) * frame.v);
+}
+
+std::vector<FanArc> pack_corners(const Domain<3>& domain, const Protection<3>& protection, const Spacing<3>& spacing,
+                                 std::uint64_t seed) {
+  std::vector<FanArc> fans;
+  std::vector<Strand<3>> strands;
+  std::vector<Tie> ties;
+  for (const auto& [apex, corner_radius] : protection.corners) {
+    const double radius = corner_radius;
+    std::map<std::pair<SegmentId, Page>, StrandEnd> ends;
+    for (const FacetId facet : protection.incidence.facets_at(apex))
+      for (const Sector& sector : protection.incidence.sectors(facet, apex)) {
+        const auto strand = static_cast<std::uint32_t>(strands.size());
+        const int ahead = [&](SegmentId s) {
+          return domain.segments[s][0] == apex ? 0 : 1;
+        }(sector.first.is_none() ? SegmentId(0) : sector.first);
+        if (!sector.first.is_none()) {
+          ends[{sector.first, {facet, ahead}}] = {strand, false};
+          const int back = domain.segments[sector.second][0] == apex ? 1 : 0;
+          ends[{sector.second, {facet, back}}] = {strand, true};
+        }
+        const FanArc fan{apex, facet, sector, {}};
+        fans.push_back(fan);
+        strands.push_back({.length = radius * (sector.end - sector.begin),
+                           .at = [&domain, fan, radius](double t) { return point_of_arc(domain, fan, radius, t); },
+                           .longest_step = radius * std::numbers::pi / 2,
+                           .positions = {}});
+      }
+    for (const SegmentId s : protection.incidence.segments_at(apex)) {
+      const auto* groups = protection.books.of(s);
+      if (groups == nullptr) continue;
+      for (const auto& pages : *groups) {
+        Tie tie{{}, protection.least_angle(s, pages), 0};
+        for (const Page& page : pages) tie.ends.push_back(ends.at({s, page}));
+        ties.push_back(std::move(tie));
+      }
+    }
+  }
+  std::vector<PackedStrand> arcs = pack_strands(strands, ties, spacing, kTieJitter, seed);
+  for (std::size_t i = 0; i < fans.size(); ++i) fans[i].arc = std::move(arcs[i]);
+  return fans;
+}
+
+}  // namespace voropack

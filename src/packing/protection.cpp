@@ -1,0 +1,159 @@
+#include "packing/protection.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "geom/distance.h"
+
+namespace voropack {
+
+namespace {
+
+/// A corner's radius in f at the corner: room for two spheres, and for arcs of 45 degrees between them.
+constexpr double kCornerRadius = 2.7;
+/// Of the shortest segment at a corner, its sphere gets at most this part.
+constexpr double kCornerShare = 0.4;
+/// A point shared by two polytopes is protected when they fail within this many ball radii of it; farther away
+/// smaller spheres are cheaper.
+constexpr double kNear = 4;
+/// A corner's sphere shrinks by this factor if something that does not touch the corner comes too near.
+constexpr double kCornerShrink = 0.7;
+/// One round shrinks f at most and at least by these factors.
+constexpr double kLeastShrink = 0.8, kMostShrink = 0.3;
+
+}  // namespace
+
+template <int D>
+double Protection<D>::least_angle(SegmentId spine, const std::vector<Page>& pages) const {
+  double least = std::numbers::pi;
+  for (std::size_t i = 0; i < pages.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      least = std::min(least, angle_between(incidence.inward(pages[i], spine), incidence.inward(pages[j], spine)));
+  return least;
+}
+
+template <int D>
+double Protection<D>::least_angle(PointId tip, const std::vector<SegmentId>& segments) const {
+  double least = std::numbers::pi;
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      least =
+          std::min(least, angle_between(incidence.direction(segments[i], tip), incidence.direction(segments[j], tip)));
+  return least;
+}
+
+/// How far the center is from the line or plane of the ball's polytope.
+template <int D>
+double Protection<D>::height(const Intrusion<D>& it) const {
+  if (it.ball_carrier.dimension == 1) {
+    const auto [a, b] = domain_.segments[SegmentId(it.ball_carrier.index)];
+    const Vec<D> start = domain_.points[a], along = incidence.direction(SegmentId(it.ball_carrier.index), a);
+    const Vec<D> to = it.position - start;
+    return norm(to - dot(to, along) * along);
+  }
+  if constexpr (D == 3)
+    return std::abs(domain_.facet_frame[FacetId(it.ball_carrier.index)].height(it.position));
+  else
+    return 0;
+}
+
+template <int D>
+auto Protection<D>::shrink(const Intrusion<D>& it, double wanted, const Spacing<D>& spacing) -> Cap {
+  const double factor = std::clamp(0.9 * wanted / it.ball.radius, kMostShrink, kLeastShrink);
+  return SpacingCap<D>{it.ball.center, it.ball.radius, factor * spacing(it.ball.center)};
+}
+
+template <int D>
+bool Protection<D>::open_corner(PointId p, const Spacing<D>& spacing) {
+  if (before_.corners.contains(p)) return false;
+  double radius = kCornerRadius * spacing(domain_.points[p]);
+  for (const SegmentId s : incidence.segments_at(p)) {
+    const auto [a, b] = domain_.segments[s];
+    radius = std::min(radius, kCornerShare * distance(domain_.points[a], domain_.points[b]));
+  }
+  corners.emplace(p, radius);
+  return true;
+}
+
+template <int D>
+auto Protection<D>::between_segments(const Intrusion<D>& it, const Spacing<D>& spacing) -> Cap {
+  const SegmentId s(it.carrier.index), t(it.ball_carrier.index);
+  for (const PointId p : incidence.common_points(it.carrier, it.ball_carrier))
+    if (!before_.fans.joined(p, s, t)) {
+      fans.join(p, s, t);
+      return std::nullopt;
+    }
+  return shrink(it, height(it), spacing);
+}
+
+template <int D>
+auto Protection<D>::at_point(const Intrusion<D>& it, const Spacing<D>& spacing) -> Cap {
+  if constexpr (D == 3)
+    for (const PointId p : incidence.common_points(it.carrier, it.ball_carrier))
+      if (distance(domain_.points[p], it.position) < kNear * it.ball.radius && open_corner(p, spacing))
+        return std::nullopt;
+  return shrink(it, height(it), spacing);
+}
+
+// The book principle: with x turned into the page of triangle t, pow_t(x) = pow_t(x') + 4 x_r c_r sin^2(angle / 2),
+// where x_r and c_r are the distances of x and of t's circumcenter from the spine.
+template <int D>
+auto Protection<D>::between_pages(const Intrusion<D>& it, SegmentId spine, const Spacing<D>& spacing) -> Cap {
+  if constexpr (D == 2) {
+    return at_point(it, spacing);
+  } else {
+    const Vec<3> start = domain_.points[domain_.segments[spine][0]];
+    const auto page_of = [&](PolytopeId facet, const Vec<3>& x) {
+      std::optional<Page> best;
+      for (const Page& p : incidence.pages_of(spine))
+        if (p.facet == FacetId(facet.index) && dot(x - start, incidence.inward(p, spine)) > 0) best = p;
+      return best;
+    };
+    const auto p = page_of(it.carrier, it.position), q = page_of(it.ball_carrier, it.ball.center);
+    if (!p || !q) return at_point(it, spacing);
+    if (!before_.books.joined(spine, *p, *q)) {
+      books.join(spine, *p, *q);
+      return std::nullopt;
+    }
+    const auto [a, b] = domain_.segments[spine];
+    for (const PointId end : {a, b})
+      if (distance(domain_.points[end], it.position) < kNear * it.ball.radius && open_corner(end, spacing))
+        return std::nullopt;
+    const Vec<3> inward_p = incidence.inward(*p, spine), inward_q = incidence.inward(*q, spine);
+    const double half = std::sin(0.5 * angle_between(inward_p, inward_q));
+    const double x_r = dot(it.position - start, inward_p), c_r = dot(it.ball.center - start, inward_q);
+    return shrink(it, 2 * half * std::sqrt(x_r * c_r), spacing);
+  }
+}
+
+template <int D>
+auto Protection<D>::adapt(const Intrusion<D>& it, const Spacing<D>& spacing) -> Cap {
+  if (it.apex && incidence.common_points(it.carrier, it.ball_carrier).empty()) {
+    corners.at(*it.apex) = kCornerShrink * before_.corners.at(*it.apex);
+    return std::nullopt;
+  }
+  if (incidence.contains(it.ball_carrier, it.carrier) || incidence.contains(it.carrier, it.ball_carrier))
+    return shrink(it, 0.75 * it.ball.radius, spacing);
+  if (it.carrier.dimension == 0) return shrink(it, height(it), spacing);
+  if (it.carrier.dimension == 1 && it.ball_carrier.dimension == 1) return between_segments(it, spacing);
+  if constexpr (D == 3) {
+    if (it.carrier.dimension == 2 && it.ball_carrier.dimension == 2) {
+      // The common segment that is nearest to the center, if there is one.
+      std::optional<SegmentId> nearest;
+      double least = 0;
+      for (const SegmentId s : incidence.common_segments(FacetId(it.carrier.index), FacetId(it.ball_carrier.index))) {
+        const auto [a, b] = domain_.segments[s];
+        const Vec<3> p = domain_.points[a], q = domain_.points[b];
+        const double d = distance(it.position, p + nearest_parameter(it.position, p, q) * (q - p));
+        if (!nearest || d < least) nearest = s, least = d;
+      }
+      if (nearest) return between_pages(it, *nearest, spacing);
+    }
+  }
+  return at_point(it, spacing);
+}
+
+template class Protection<2>;
+template class Protection<3>;
+
+}  // namespace voropack

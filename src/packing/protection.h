@@ -1,0 +1,107 @@
+// What keeps protecting balls empty where polytopes meet at small angles: the state of the verify-and-adapt loop. It
+// starts empty, and only what fails is protected.
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "packing/incidence.h"
+#include "spheres/sphere_set.h"
+#include "voropack/domain.h"
+#include "voropack/spacing.h"
+
+namespace voropack {
+
+/// Disjoint groups of members, one family of groups for each key.
+template <class Key, class Member>
+class Groups {
+ public:
+  using Group = std::vector<Member>;  ///< Sorted.
+
+  /// Puts both into one group. False if they were in one already.
+  bool join(const Key& key, const Member& a, const Member& b) {
+    std::vector<Group>& groups = groups_[key];
+    const std::size_t i = find_or_add(groups, a), j = find_or_add(groups, b);
+    if (i == j) return false;
+    groups[i].insert(groups[i].end(), groups[j].begin(), groups[j].end());
+    std::sort(groups[i].begin(), groups[i].end());
+    groups.erase(groups.begin() + static_cast<std::ptrdiff_t>(j));
+    return true;
+  }
+  [[nodiscard]] bool joined(const Key& key, const Member& a, const Member& b) const {
+    const auto it = groups_.find(key);
+    return it != groups_.end() && std::ranges::any_of(it->second, [&](const Group& g) {
+             return std::ranges::binary_search(g, a) && std::ranges::binary_search(g, b);
+           });
+  }
+  [[nodiscard]] const std::map<Key, std::vector<Group>>& all() const { return groups_; }
+  [[nodiscard]] const std::vector<Group>* of(const Key& key) const {
+    const auto it = groups_.find(key);
+    return it == groups_.end() ? nullptr : &it->second;
+  }
+
+ private:
+  static std::size_t find_or_add(std::vector<Group>& groups, const Member& m) {
+    for (std::size_t i = 0; i < groups.size(); ++i)
+      if (std::ranges::binary_search(groups[i], m)) return i;
+    groups.push_back({m});
+    return groups.size() - 1;
+  }
+  std::map<Key, std::vector<Group>> groups_;
+};
+
+/// A center in a protecting ball, or too near to one.
+template <int D>
+struct Intrusion {
+  Vec<D> position;
+  PolytopeId carrier;
+  Ball<D> ball;
+  PolytopeId ball_carrier;
+  std::optional<PointId> apex;  ///< The corner whose fan the ball or the center belongs to.
+};
+
+template <int D>
+class Protection {
+ public:
+  Protection(const Domain<D>& domain) : incidence(domain), domain_(domain) {}
+
+  /// Call before each round of intrusions: what was protected since the last call has had no effect yet.
+  void begin_round() { before_ = {fans, books, corners}; }
+  /// Answers to an intrusion: with a new fan, book or corner, else with a cap on f, which is returned.
+  std::optional<SpacingCap<D>> adapt(const Intrusion<D>& intrusion, const Spacing<D>& spacing);
+
+  [[nodiscard]] double corner_radius(PointId p) const {
+    const auto it = corners.find(p);
+    return it == corners.end() ? 0.0 : it->second;
+  }
+  /// The smallest angle between two pages of a book, or segments of a fan. Radians.
+  [[nodiscard]] double least_angle(SegmentId spine, const std::vector<Page>& pages) const;
+  [[nodiscard]] double least_angle(PointId tip, const std::vector<SegmentId>& segments) const;
+
+  const Incidence<D> incidence;
+  Groups<PointId, SegmentId> fans;    ///< Segments with centers at common distances from their common point.
+  Groups<SegmentId, Page> books;      ///< Pages with the same centers, turned about their common segment, near to it.
+  std::map<PointId, double> corners;  ///< Points with a sphere of this radius which carries the first centers around.
+
+ private:
+  using Cap = std::optional<SpacingCap<D>>;
+  Cap between_segments(const Intrusion<D>& it, const Spacing<D>& spacing);
+  Cap between_pages(const Intrusion<D>& it, SegmentId spine, const Spacing<D>& spacing);
+  Cap at_point(const Intrusion<D>& it, const Spacing<D>& spacing);
+  /// f must shrink so that the ball's radius becomes `wanted`.
+  Cap shrink(const Intrusion<D>& it, double wanted, const Spacing<D>& spacing);
+  bool open_corner(PointId p, const Spacing<D>& spacing);
+  [[nodiscard]] double height(const Intrusion<D>& it) const;
+
+  struct State {
+    Groups<PointId, SegmentId> fans;
+    Groups<SegmentId, Page> books;
+    std::map<PointId, double> corners;
+  };
+  const Domain<D>& domain_;
+  State before_;
+};
+
+}  // namespace voropack

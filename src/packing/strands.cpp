@@ -1,0 +1,179 @@
+#include "packing/strands.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "spheres/pack_interior.h"
+
+namespace voropack {
+
+namespace {
+
+/// Tied strands go their own ways where they are this many f apart: protecting balls of independent points then do not
+/// reach the other strand.
+constexpr double kApart = 1.5;
+/// Of a strand that is tied at both ends, each tie gets at most this part.
+constexpr double kShare = 0.45;
+/// Room in f that a tie leaves to the far end of a strand that goes on alone.
+constexpr double kLeftover = 2.5;
+
+template <int D>
+class StrandPacker {
+ public:
+  StrandPacker(const std::vector<Strand<D>>& strands, const Spacing<D>& spacing, double jitter, std::uint64_t seed)
+      : strands_(strands),
+        spacing_(spacing),
+        jitter_(jitter),
+        seed_(seed),
+        shells_(strands.size()),
+        is_full_(strands.size()) {}
+
+  void tie(const std::vector<Tie>& ties) {
+    std::vector<std::array<bool, 2>> is_tied(strands_.size());
+    for (const Tie& t : ties)
+      for (const StrandEnd& e : t.ends) is_tied[e.strand][e.is_far ? 1 : 0] = true;
+    for (const Tie& t : ties) add_shells(t, is_tied);
+  }
+
+  [[nodiscard]] PackedStrand pack(std::uint32_t index) const {
+    const Strand<D>& strand = strands_[index];
+    std::array<std::vector<Shell>, 2> shells = shells_[index];
+    const bool is_free = shells[0].empty() && shells[1].empty() && !is_full_[index] != 0;
+    if (is_free && strand.positions) return with_radii(index, strand.positions(), {}, {});
+    // Where two ties leave no room between them, the longer one gives way.
+    const auto last = [](const std::vector<Shell>& s) { return s.empty() ? Shell{0, 0} : s.back(); };
+    while (!shells[0].empty() || !shells[1].empty()) {
+      const double room = strand.length - last(shells[0]).position - last(shells[1]).position;
+      const double needed = last(shells[0]).radius + last(shells[1]).radius;
+      if (room >= needed || is_full_[index] != 0) break;
+      shells[last(shells[0]).position >= last(shells[1]).position ? 0 : 1].pop_back();
+    }
+    std::vector<double> positions, radii;
+    for (const Shell& s : shells[0]) positions.push_back(s.position), radii.push_back(s.radius);
+    const double begin = last(shells[0]).position, end = strand.length - last(shells[1]).position;
+    if (!is_full_[index] != 0)
+      for (const double t : middle(strand, begin, end)) positions.push_back(t), radii.push_back(-1);
+    for (auto s = shells[1].rbegin(); s != shells[1].rend(); ++s)
+      positions.push_back(strand.length - s->position), radii.push_back(s->radius);
+    return with_radii(index, positions, radii, {begin, strand.length - end});
+  }
+
+ private:
+  struct Shell {
+    double position, radius;
+  };
+
+  [[nodiscard]] Vec<D> at(const StrandEnd& e, double t) const {
+    const Strand<D>& s = strands_[e.strand];
+    return s.at(e.is_far ? s.length - t : t);
+  }
+
+  /// How far the tie may reach, and whether that is the whole length of all its strands.
+  [[nodiscard]] std::pair<double, bool> reach(const Tie& tie, const std::vector<std::array<bool, 2>>& is_tied) const {
+    double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+    bool is_full = true;
+    for (const StrandEnd& e : tie.ends) {
+      const double length = strands_[e.strand].length;
+      const bool both = is_tied[e.strand][e.is_far ? 0 : 1];
+      is_full = is_full && !both;
+      shortest = std::min(shortest, both ? kShare * length : length);
+      longest = std::max(longest, length);
+    }
+    return {shortest, is_full && longest - shortest <= 1e-9 * longest};
+  }
+
+  void add_shells(const Tie& tie, const std::vector<std::array<bool, 2>>& is_tied) {
+    const auto least = [&](double t) {
+      double f = std::numeric_limits<double>::infinity();
+      for (const StrandEnd& e : tie.ends) f = std::min(f, spacing_(at(e, t)));
+      return f;
+    };
+    const auto largest = [&](double t) {
+      double f = 0;
+      for (const StrandEnd& e : tie.ends) f = std::max(f, spacing_(at(e, t)));
+      return f;
+    };
+    auto [end, is_full] = reach(tie, is_tied);
+    const double slope = std::sin(std::min(tie.angle, std::numbers::pi / 2));
+    double t = 0;
+    while (t < end && (tie.start + t) * slope < kApart * largest(t)) t += 0.25 * least(t);
+    if (t < end) {
+      end = t;
+      is_full = false;
+    } else if (!is_full) {
+      for (const StrandEnd& e : tie.ends)
+        if (!is_tied[e.strand][e.is_far ? 0 : 1])
+          end = std::min(end, strands_[e.strand].length - kLeftover * spacing_(at(e, end)));
+    }
+    if (!(end > 0)) return;
+    const LocalSpacing<1> along{[&](const Vec<1>& x) { return least(x[0]); }, {}, spacing_.lipschitz()};
+    std::vector<double> positions = equidistribute(end, along);
+    if (!is_full && end >= least(0) + least(end)) positions.push_back(end);
+    const double wobble = jitter_ * (1 - std::cos(tie.angle));
+    for (std::size_t m = 0; m < tie.ends.size(); ++m) {
+      const StrandEnd& e = tie.ends[m];
+      auto& shells = shells_[e.strand][e.is_far ? 1 : 0];
+      for (std::size_t k = 0; k < positions.size(); ++k) {
+        const double f = least(positions[k]);
+        const double noise = 2 * to_unit(hash_words(seed_, e.strand, e.is_far, k)) - 1;
+        shells.push_back({positions[k] + wobble * f * noise, f * (1 - 2 * wobble)});
+      }
+      if (is_full) is_full_[e.strand] = 1;
+    }
+  }
+
+  /// Equal steps in the measure ds / f.
+  [[nodiscard]] std::vector<double> middle(const Strand<D>& strand, double begin, double end) const {
+    const LocalSpacing<1> along{
+        [&](const Vec<1>& x) { return spacing_(strand.at(begin + x[0])); }, {}, spacing_.lipschitz()};
+    std::vector<double> positions = equidistribute(end - begin, along);
+    const double least_parts = std::ceil((end - begin) / strand.longest_step - 1e-9);
+    if (static_cast<double>(positions.size() + 1) < least_parts) {
+      positions.clear();
+      for (double i = 1; i < least_parts; ++i) positions.push_back((end - begin) * i / least_parts);
+    }
+    for (double& t : positions) t += begin;
+    return positions;
+  }
+
+  /// `radii`: negative or absent where f applies.
+  [[nodiscard]] PackedStrand with_radii(std::uint32_t index, std::vector<double> positions, std::vector<double> radii,
+                                        std::array<double, 2> tied) const {
+    radii.resize(positions.size(), -1);
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      if (radii[i] < 0) radii[i] = spacing_(strands_[index].at(positions[i]));
+    return {std::move(positions), std::move(radii), tied[0], tied[1]};
+  }
+
+  const std::vector<Strand<D>>& strands_;
+  const Spacing<D>& spacing_;
+  double jitter_;
+  std::uint64_t seed_;
+  std::vector<std::array<std::vector<Shell>, 2>> shells_;  ///< By strand and end: positions from that end.
+  std::vector<std::uint8_t> is_full_;                      ///< By strand: its shells reach from end to end.
+};
+
+}  // namespace
+
+template <int D>
+std::vector<PackedStrand> pack_strands(const std::vector<Strand<D>>& strands, const std::vector<Tie>& ties,
+                                       const Spacing<D>& spacing, double jitter, std::uint64_t seed) {
+  StrandPacker<D> packer(strands, spacing, jitter, seed);
+  packer.tie(ties);
+  std::vector<PackedStrand> result(strands.size());
+  parallel_for(
+      strands.size(), [&](std::size_t i) { result[i] = packer.pack(static_cast<std::uint32_t>(i)); }, 1);
+  return result;
+}
+
+template std::vector<PackedStrand> pack_strands(const std::vector<Strand<2>>&, const std::vector<Tie>&,
+                                                const Spacing<2>&, double, std::uint64_t);
+template std::vector<PackedStrand> pack_strands(const std::vector<Strand<3>>&, const std::vector<Tie>&,
+                                                const Spacing<3>&, double, std::uint64_t);
+
+}  // namespace voropack

@@ -1,0 +1,56 @@
+// Centers along curves of one dimension (segments, and the arcs in which facets cross a corner's sphere), at common
+// distances from a common end where the curves leave it at a small angle.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "voropack/spacing.h"
+#include "voropack/vec.h"
+
+namespace voropack {
+
+/// A curve by arc length.
+template <int D>
+struct Strand {
+  double length = 0;
+  std::function<Vec<D>(double)> at;
+  double longest_step = std::numeric_limits<double>::infinity();  ///< No gap between untied centers is longer.
+  /// Positions that an untied strand shall have instead of equal steps. Empty: equal steps.
+  std::function<std::vector<double>()> positions;
+};
+
+/// One end of a strand.
+struct StrandEnd {
+  std::uint32_t strand = 0;
+  bool is_far = false;  ///< The end at `length`.
+};
+
+/// Strands that leave one point at small angles. Points at equal distances from it never encroach upon each other
+/// (docs/theory/packing.md, T3), so the strands carry the same distances until they are far enough apart.
+struct Tie {
+  std::vector<StrandEnd> ends;
+  double angle = 0;  ///< Smallest angle between two of the strands, radians.
+  double start = 0;  ///< The distance from the common point at which the strands begin.
+};
+
+/// Centers inside a strand, ends excluded.
+struct PackedStrand {
+  std::vector<double> position;  ///< Arc length, ascending.
+  std::vector<double> radius;    ///< At most f there; less where the other strands of a tie have less.
+  double tied_begin = 0;         ///< Up to here the positions are common to a tie at the near end.
+  double tied_end = 0;           ///< The same from the far end.
+};
+
+/// How much tied centers move at random, relative to f (1 - cos angle): exact copies would be cocircular, and rounding
+/// would decide how they are triangulated. Small enough that nothing encroaches.
+inline constexpr double kTieJitter = 0.01;
+
+/// `jitter`: kTieJitter, or 0 for exact copies.
+template <int D>
+std::vector<PackedStrand> pack_strands(const std::vector<Strand<D>>& strands, const std::vector<Tie>& ties,
+                                       const Spacing<D>& spacing, double jitter, std::uint64_t seed);
+
+}  // namespace voropack
