@@ -24,6 +24,9 @@ namespace {
 /// each other than f-spheres allow.
 constexpr double kSharpAngle = std::numbers::pi / 3;
 
+/// Centers of a segment that were cocircular by symmetry with others move by this much, relative to f.
+constexpr double kSegmentJitter = 1e-4;
+
 template <int D>
 LocalSpacing<1> spacing_along(const Spacing<D>& spacing, const Vec<D>& a, const Vec<D>& direction) {
   return {[&spacing, a, direction](const Vec<1>& t) { return spacing(a + t[0] * direction); },
@@ -138,6 +141,7 @@ class BoundaryPacker {
       Strand<D> strand;
       strand.length = length - first - last;
       strand.at = [=](double t) { return point_between(start, end, (first + t) / length); };
+      if (protection_.shaken.contains(s)) strand.jitter = kSegmentJitter;
       if (options_.form != PackingForm::kVoronoi && first == 0 && last == 0)
         strand.positions = [this, s] { return pack_segment(domain_, s, spacing_, options_, observer_); };
       strands.push_back(std::move(strand));
@@ -322,7 +326,17 @@ class BoundaryPacker {
   void answer(SphereId s, std::uint32_t ball) {
     const Intrusion<D> intrusion{packing().center[s], packing().carrier[s], result_.balls[ball], carrier_of(ball),
                                  apex_of(s, ball)};
-    if (const auto cap = protection_.adapt(intrusion, spacing_))
+    const auto cap = protection_.adapt(intrusion, spacing_);
+    if (getenv("DBG")) {
+      const auto& q = intrusion;
+      fprintf(stderr, "x(%d:%d) in (%d:%d) R %.3g at", (int)q.carrier.dimension, (int)q.carrier.index,
+              (int)q.ball_carrier.dimension, (int)q.ball_carrier.index, q.ball.radius);
+      for (int k = 0; k < D; ++k) fprintf(stderr, " %.4g", q.ball.center[k]);
+      fprintf(stderr, " d/R %.4f f %.3g  %s %.3g apex %d\n", distance(q.position, q.ball.center) / q.ball.radius,
+              spacing_(q.ball.center), cap ? "cap" : "protect", cap ? cap->value / spacing_(cap->center) : 0.0,
+              q.apex ? (int)q.apex->value() : -1);
+    }
+    if (cap)
       result_.faults.push_back(*cap);
     else
       result_.protects_more = true;

@@ -16,6 +16,8 @@ constexpr double kCornerShare = 0.4;
 /// A point shared by two polytopes is protected when they fail within this many ball radii of it; farther away
 /// smaller spheres are cheaper.
 constexpr double kNear = 4;
+/// A center this near to a protecting sphere, relative to its radius, is there by symmetry.
+constexpr double kTie = 1e-7;
 /// A corner's sphere shrinks by this factor if something that does not touch the corner comes too near.
 constexpr double kCornerShrink = 0.7;
 /// One round shrinks f at most and at least by these factors.
@@ -130,6 +132,11 @@ template <int D>
 auto Protection<D>::adapt(const Intrusion<D>& it, const Spacing<D>& spacing) -> Cap {
   if (it.apex && incidence.common_points(it.carrier, it.ball_carrier).empty()) {
     corners.at(*it.apex) = kCornerShrink * before_.corners.at(*it.apex);
+    return std::nullopt;
+  }
+  const bool is_tie = std::abs(distance(it.position, it.ball.center) - it.ball.radius) < kTie * it.ball.radius;
+  if (is_tie && it.carrier.dimension == 1 && !before_.shaken.contains(SegmentId(it.carrier.index))) {
+    shaken.insert(SegmentId(it.carrier.index));
     return std::nullopt;
   }
   if (incidence.contains(it.ball_carrier, it.carrier) || incidence.contains(it.carrier, it.ball_carrier))

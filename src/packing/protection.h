@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "packing/incidence.h"
@@ -68,7 +69,7 @@ class Protection {
   Protection(const Domain<D>& domain) : incidence(domain), domain_(domain) {}
 
   /// Call before each round of intrusions: what was protected since the last call has had no effect yet.
-  void begin_round() { before_ = {fans, books, corners}; }
+  void begin_round() { before_ = {fans, books, corners, shaken}; }
   /// Answers to an intrusion: with a new fan, book or corner, else with a cap on f, which is returned.
   std::optional<SpacingCap<D>> adapt(const Intrusion<D>& intrusion, const Spacing<D>& spacing);
 
@@ -84,6 +85,7 @@ class Protection {
   Groups<PointId, SegmentId> fans;    ///< Segments with centers at common distances from their common point.
   Groups<SegmentId, Page> books;      ///< Pages with the same centers, turned about their common segment, near to it.
   std::map<PointId, double> corners;  ///< Points with a sphere of this radius which carries the first centers around.
+  std::set<SegmentId> shaken;         ///< Segments whose centers move a little, because they were cocircular.
 
  private:
   using Cap = std::optional<SpacingCap<D>>;
@@ -99,6 +101,7 @@ class Protection {
     Groups<PointId, SegmentId> fans;
     Groups<SegmentId, Page> books;
     std::map<PointId, double> corners;
+    std::set<SegmentId> shaken;
   };
   const Domain<D>& domain_;
   State before_;

@@ -57,7 +57,7 @@ class StrandPacker {
     for (const Shell& s : shells[0]) positions.push_back(s.position), radii.push_back(s.radius);
     const double begin = last(shells[0]).position, end = strand.length - last(shells[1]).position;
     if (!is_full_[index] != 0)
-      for (const double t : middle(strand, begin, end)) positions.push_back(t), radii.push_back(-1);
+      for (const double t : middle(index, begin, end)) positions.push_back(t), radii.push_back(-1);
     for (auto s = shells[1].rbegin(); s != shells[1].rend(); ++s)
       positions.push_back(strand.length - s->position), radii.push_back(s->radius);
     return with_radii(index, positions, radii, {begin, strand.length - end});
@@ -128,7 +128,8 @@ class StrandPacker {
   }
 
   /// Equal steps in the measure ds / f.
-  [[nodiscard]] std::vector<double> middle(const Strand<D>& strand, double begin, double end) const {
+  [[nodiscard]] std::vector<double> middle(std::uint32_t index, double begin, double end) const {
+    const Strand<D>& strand = strands_[index];
     const LocalSpacing<1> along{
         [&](const Vec<1>& x) { return spacing_(strand.at(begin + x[0])); }, {}, spacing_.lipschitz()};
     std::vector<double> positions = equidistribute(end - begin, along);
@@ -137,7 +138,12 @@ class StrandPacker {
       positions.clear();
       for (double i = 1; i < least_parts; ++i) positions.push_back((end - begin) * i / least_parts);
     }
-    for (double& t : positions) t += begin;
+    for (std::size_t k = 0; k < positions.size(); ++k) {
+      double& t = positions[k];
+      t += begin;
+      if (strand.jitter > 0)
+        t += strand.jitter * spacing_(strand.at(t)) * (2 * to_unit(hash_words(seed_, index, k)) - 1);
+    }
     return positions;
   }
 

@@ -18,6 +18,7 @@ struct Strand {
   double length = 0;
   std::function<Vec<D>(double)> at;
   double longest_step = std::numeric_limits<double>::infinity();  ///< No gap between untied centers is longer.
+  double jitter = 0;  ///< Untied centers move at random by this much, relative to f.
   /// Positions that an untied strand shall have instead of equal steps. Empty: equal steps.
   std::function<std::vector<double>()> positions;
 };
