@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -93,6 +94,29 @@ void append_interior(Packing<D>& packing, PackedInterior<D>&& interior) {
   packing.triangulation_s = interior.triangulation_s;
 }
 
+/// True if cap a makes f nowhere less than `slack` times what cap b does.
+template <int D>
+bool is_covered(const SpacingCap<D>& a, const SpacingCap<D>& b, double lipschitz, double slack) {
+  const double beyond = std::max(0.0, a.radius + distance(a.center, b.center) - b.radius);
+  return b.value + lipschitz * beyond <= slack * a.value;
+}
+
+/// Adds caps that shrink f further than those already there by more than a fifth, and drops those that no longer
+/// matter. Many balls fail in one place, and one cap mends them all.
+template <int D>
+void add_caps(std::vector<SpacingCap<D>>& caps, std::vector<SpacingCap<D>> more, double lipschitz) {
+  constexpr double kEnough = 1.25;
+  std::stable_sort(more.begin(), more.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
+  std::vector<SpacingCap<D>> added;
+  for (const SpacingCap<D>& cap : more)
+    if (std::none_of(added.begin(), added.end(), [&](const auto& b) { return is_covered(cap, b, lipschitz, kEnough); }))
+      added.push_back(cap);
+  std::erase_if(caps, [&](const auto& cap) {
+    return std::any_of(added.begin(), added.end(), [&](const auto& b) { return is_covered(cap, b, lipschitz, 1); });
+  });
+  caps.insert(caps.end(), added.begin(), added.end());
+}
+
 template <int D>
 void check_limits(double estimate, const PackingOptions& options) {
   if (estimate > static_cast<double>(options.max_vertices))
@@ -156,7 +180,7 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
                  fmt::format("round {}: f shrinks at {} places; {} fans, {} books and {} corners are protected",
                              round + 1, boundary.faults.size(), protection.fans.all().size(),
                              protection.books.all().size(), protection.corners.size()));
-    caps.insert(caps.end(), boundary.faults.begin(), boundary.faults.end());
+    add_caps(caps, std::move(boundary.faults), spacing.lipschitz());
   }
   throw InternalError(
       Fault{.id = "packing.not_conforming",
