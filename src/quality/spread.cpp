@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "base/parallel.h"
@@ -12,10 +13,40 @@ namespace {
 
 constexpr std::size_t kBlock = 1U << 16U;
 
-std::size_t bin_of(const Histogram& histogram, double value) {
-  const double width = (histogram.hi - histogram.lo) / static_cast<double>(histogram.bins.size());
-  const double bin = width > 0 ? std::floor((value - histogram.lo) / width) : 0;
-  return static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(histogram.bins.size() - 1)));
+/// Finds bins; the width is not divided out again for each value.
+class BinFinder {
+ public:
+  BinFinder(double lo, double hi, std::size_t n_bins)
+      : lo_(lo), width_((hi - lo) / static_cast<double>(n_bins)), last_(static_cast<double>(n_bins - 1)) {}
+
+  [[nodiscard]] std::size_t operator()(double value) const {
+    const double bin = width_ > 0 ? (value - lo_) / width_ : 0;
+    return static_cast<std::size_t>(static_cast<int>(std::clamp(bin, 0.0, last_)));
+  }
+
+ private:
+  double lo_, width_, last_;
+};
+
+/// The value of the given rank, which lies in `bin`, where the ranks start with `first_rank`.
+double value_of_rank(std::span<const double> values, const BinFinder& bin_of, std::size_t bin, std::size_t rank,
+                     std::size_t first_rank) {
+  std::vector<double> candidates = parallel_reduce_ordered(
+      values.size(), kBlock, std::vector<double>{},
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<double> found;
+        std::copy_if(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                     values.begin() + static_cast<std::ptrdiff_t>(end), std::back_inserter(found),
+                     [&](double value) { return bin_of(value) == bin; });
+        return found;
+      },
+      [](std::vector<double> all, const std::vector<double>& found) {
+        all.insert(all.end(), found.begin(), found.end());
+        return all;
+      });
+  const auto place = candidates.begin() + static_cast<std::ptrdiff_t>(rank - first_rank);
+  std::nth_element(candidates.begin(), place, candidates.end());
+  return *place;
 }
 
 /// In degrees, of a pseudo-angle of [0, 2].
@@ -26,7 +57,7 @@ double angle_deg(double pseudo) {
 
 }  // namespace
 
-QualityReport::Spread measure_spread(std::vector<double>& values, double lo, double hi, std::size_t n_bins) {
+QualityReport::Spread measure_spread(std::span<const double> values, double lo, double hi, std::size_t n_bins) {
   QualityReport::Spread spread;
   spread.histogram = {lo, hi, std::vector<std::uint64_t>(n_bins, 0)};
   if (values.empty()) return spread;
@@ -34,6 +65,7 @@ QualityReport::Spread measure_spread(std::vector<double>& values, double lo, dou
     double min, max, sum;
     std::vector<std::uint64_t> bins;
   };
+  const BinFinder bin_of(lo, hi, n_bins);
   const Partial nothing{values[0], values[0], 0, std::vector<std::uint64_t>(n_bins, 0)};
   const Partial all = parallel_reduce_ordered(
       values.size(), kBlock, nothing,
@@ -43,7 +75,7 @@ QualityReport::Spread measure_spread(std::vector<double>& values, double lo, dou
           part.min = std::min(part.min, values[k]);
           part.max = std::max(part.max, values[k]);
           part.sum += values[k];
-          ++part.bins[bin_of(spread.histogram, values[k])];
+          ++part.bins[bin_of(values[k])];
         }
         return part;
       },
@@ -59,19 +91,42 @@ QualityReport::Spread measure_spread(std::vector<double>& values, double lo, dou
   spread.mean = all.sum / static_cast<double>(values.size());
   spread.histogram.bins = all.bins;
   const std::size_t rank = (values.size() * 99 - 1) / 100;  // The nearest-rank definition.
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(rank);
-  std::nth_element(values.begin(), place, values.end());
-  spread.p99 = *place;
+  std::size_t bin = 0, first_rank = 0;
+  while (first_rank + all.bins[bin] <= rank) first_rank += all.bins[bin++];
+  spread.p99 = value_of_rank(values, bin_of, bin, rank, first_rank);
   return spread;
 }
 
-void AngleTally::merge(const AngleTally& other) {
+void AngleTally::count_waiting() {
+  std::array<double, kBatch> pseudo;
+  for (std::size_t k = 0; k < n_waiting_; ++k) {
+    const double x = x_[k], y = y_[k];
+    const double ratio = y / (std::abs(x) + y);
+    pseudo[k] = x < 0 ? 2 - ratio : ratio;
+  }
+  double least = least_, greatest = greatest_;
+  for (std::size_t k = 0; k < n_waiting_; ++k) {
+    if (!(pseudo[k] >= 0)) continue;  // No direction at all: a triangle with two equal corners.
+    // Near 0 and near pi the ratio itself keeps the digits.
+    least = std::min(least, pseudo[k]);
+    greatest = std::max(greatest, pseudo[k]);
+    const auto bin = static_cast<std::size_t>(static_cast<int>(pseudo[k] * (0.5 * kFineBins)));
+    ++bins_[std::min(bin, kFineBins - 1)];
+  }
+  least_ = least;
+  greatest_ = greatest;
+  n_waiting_ = 0;
+}
+
+void AngleTally::merge(AngleTally& other) {
+  other.count_waiting();
   for (std::size_t k = 0; k < kFineBins; ++k) bins_[k] += other.bins_[k];
   least_ = std::min(least_, other.least_);
   greatest_ = std::max(greatest_, other.greatest_);
 }
 
-QualityReport::Spread AngleTally::spread_deg() const {
+QualityReport::Spread AngleTally::spread_deg() {
+  count_waiting();
   QualityReport::Spread spread;
   spread.histogram = {0, 180, std::vector<std::uint64_t>(36, 0)};
   std::uint64_t n = 0;
@@ -79,6 +134,7 @@ QualityReport::Spread AngleTally::spread_deg() const {
   if (n == 0) return spread;
   spread.min = angle_deg(least_);
   spread.max = angle_deg(greatest_);
+  const BinFinder bin_of(0, 180, spread.histogram.bins.size());
   double sum = 0;
   std::uint64_t below = 0;
   bool found = false;
@@ -86,7 +142,7 @@ QualityReport::Spread AngleTally::spread_deg() const {
     const double middle = angle_deg((static_cast<double>(k) + 0.5) * (2.0 / kFineBins));
     const double angle = std::clamp(middle, spread.min, spread.max);
     sum += angle * static_cast<double>(bins_[k]);
-    spread.histogram.bins[bin_of(spread.histogram, middle)] += bins_[k];
+    spread.histogram.bins[bin_of(middle)] += bins_[k];
     below += bins_[k];
     if (!found && below * 100 >= n * 99) {
       spread.p99 = angle;
