@@ -57,9 +57,9 @@ class Topology {
   /// The corner of n that is opposite to its face with s, or -1.
   [[nodiscard]] int corner_towards(std::uint32_t n, std::size_t s) const {
     const auto& back = (*neighbors_)[SimplexId(n)];
-    for (int j = 0; j <= D; ++j)
-      if (back[static_cast<std::size_t>(j)] == SimplexId(s)) return j;
-    return -1;
+    int corner = -1;
+    for (int j = D; j >= 0; --j) corner = back[static_cast<std::size_t>(j)] == SimplexId(s) ? j : corner;
+    return corner;
   }
   [[nodiscard]] int region(std::size_t s) const { return regions_ == nullptr ? 0 : (*regions_)[SimplexId(s)]; }
   /// A finite vertex that some valid simplex uses.

@@ -166,15 +166,17 @@ double add_simplex(const Mesh<3>& mesh, const Shares<3>& shares, SimplexId s, Ve
   const Vec<3> from0 = origin - p0, from1 = origin - p1, from2 = origin - p2;
   const Vec<3> edge01 = p1 - p0, edge12 = p2 - p1, edge20 = p0 - p2;
   // The face (i, j, k) is opposite to the third of the other corners, l; its product is that of i - k and j - k.
-  const auto add = [&](std::size_t j, std::size_t k, std::size_t l, double dot_k, double dot_l) {
+  const auto add = [&](std::size_t j, std::size_t k, std::size_t l, const Vec<3>& from_k, const Vec<3>& edge_jk,
+                       const Vec<3>& from_l, const Vec<3>& edge_lj) {
     if (vertices[corner[j]] < i) return;
+    const double dot_k = -dot(from_k, edge_jk), dot_l = dot(from_l, edge_lj);
     const double share_k = share[corner[l]], share_l = share[corner[k]];
     table.at(vertices[corner[j]], region)
         .add(dot_k * share_k + dot_l * share_l, std::abs(share_k) + std::abs(share_l), 2);
   };
-  add(0, 1, 2, -dot(from1, edge01), dot(from2, edge20));
-  add(1, 2, 0, -dot(from2, edge12), dot(from0, edge01));
-  add(2, 0, 1, -dot(from0, edge20), dot(from1, edge12));
+  add(0, 1, 2, from1, edge01, from2, edge20);
+  add(1, 2, 0, from2, edge12, from0, edge01);
+  add(2, 0, 1, from0, edge20, from1, edge12);
   return std::max({norm_sq(from0), norm_sq(from1), norm_sq(from2)});
 }
 
