@@ -102,12 +102,6 @@ struct EdgeSum {
   int region = 0;
   std::uint32_t next = 0;  ///< The next entry with the same `other`, or kNoEntry.
   std::uint32_t n_terms = 0;
-
-  void add(double term, double magnitudes, std::uint32_t n) {
-    sum += term;
-    shares += magnitudes;
-    n_terms += n;
-  }
 };
 
 constexpr std::uint32_t kNoEntry = static_cast<std::uint32_t>(-1);
@@ -126,29 +120,20 @@ class EdgeTable {
     return entries_.back();
   }
 
-  /// Calls visit(entry) for the entries in ascending order of other end and region, which are then forgotten.
-  template <class Visit>
-  void take_sorted(const Visit& visit) {
-    order_.clear();
-    for (std::uint32_t e = 0; e < entries_.size(); ++e) {
-      first_[entries_[e].other] = kNoEntry;
-      // Regions in the order of the integers when their sign bit is flipped.
-      const std::uint64_t region = static_cast<std::uint32_t>(entries_[e].region) ^ 0x80000000U;
-      order_.push_back({std::uint64_t{entries_[e].other.value()} << 32U | region, e});
-    }
-    std::sort(order_.begin(), order_.end(), [](const Place& a, const Place& b) { return a.key < b.key; });
-    for (const Place& place : order_) visit(std::as_const(entries_[place.entry]));
-    entries_.clear();
+  /// The entries in ascending order of other end and region, which are then forgotten.
+  std::vector<EdgeSum>& take_sorted() {
+    for (const EdgeSum& e : entries_) first_[e.other] = kNoEntry;
+    taken_.clear();
+    std::swap(taken_, entries_);
+    std::sort(taken_.begin(), taken_.end(), [](const EdgeSum& a, const EdgeSum& b) {
+      return a.other != b.other ? a.other < b.other : a.region < b.region;
+    });
+    return taken_;
   }
 
  private:
-  struct Place {
-    std::uint64_t key;
-    std::uint32_t entry;
-  };
   IdVector<VertexId, std::uint32_t> first_;
-  std::vector<EdgeSum> entries_;
-  std::vector<Place> order_;
+  std::vector<EdgeSum> entries_, taken_;
 };
 
 /// Adds what simplex s contributes to its edges from vertex i to later vertices. Returns the longest squared distance
@@ -157,8 +142,7 @@ double add_simplex(const Mesh<3>& mesh, const Shares<3>& shares, SimplexId s, Ve
   const auto& vertices = mesh.simplex_vertices[s];
   const auto& share = shares[s];
   const int region = mesh.simplex_region[s];
-  // Which corner i is cannot be predicted: no branches.
-  const std::size_t own = (vertices[1] == i ? 1U : 0U) | (vertices[2] == i ? 2U : 0U) | (vertices[3] == i ? 3U : 0U);
+  const std::size_t own = vertices[0] == i ? 0 : vertices[1] == i ? 1 : vertices[2] == i ? 2 : 3;
   const std::array<std::size_t, 3> corner = {(own + 1) & 3U, (own + 2) & 3U, (own + 3) & 3U};
   const Vec<3>& origin = mesh.points[i];
   const Vec<3>&p0 = mesh.points[vertices[corner[0]]], &p1 = mesh.points[vertices[corner[1]]],
@@ -170,9 +154,11 @@ double add_simplex(const Mesh<3>& mesh, const Shares<3>& shares, SimplexId s, Ve
                        const Vec<3>& from_l, const Vec<3>& edge_lj) {
     if (vertices[corner[j]] < i) return;
     const double dot_k = -dot(from_k, edge_jk), dot_l = dot(from_l, edge_lj);
+    EdgeSum& edge = table.at(vertices[corner[j]], region);
     const double share_k = share[corner[l]], share_l = share[corner[k]];
-    table.at(vertices[corner[j]], region)
-        .add(dot_k * share_k + dot_l * share_l, std::abs(share_k) + std::abs(share_l), 2);
+    edge.sum += dot_k * share_k + dot_l * share_l;
+    edge.shares += std::abs(share_k) + std::abs(share_l);
+    edge.n_terms += 2;
   };
   add(0, 1, 2, from1, edge01, from2, edge20);
   add(1, 2, 0, from2, edge12, from0, edge01);
@@ -186,8 +172,11 @@ double add_simplex(const Mesh<2>& mesh, const Shares<2>& shares, SimplexId s, Ve
   while (vertices[own] != i) ++own;
   for (std::size_t j = 0; j < 3; ++j) {
     if (j == own || vertices[j] < i) continue;
+    EdgeSum& edge = table.at(vertices[j], mesh.simplex_region[s]);
     const double share = shares[s][3 - own - j];
-    table.at(vertices[j], mesh.simplex_region[s]).add(share, std::abs(share), 1);
+    edge.sum += share;
+    edge.shares += std::abs(share);
+    ++edge.n_terms;
   }
   return 0;
 }
@@ -318,7 +307,7 @@ class DualBuilder {
       if (place == block.cells.end() || place->region != region) block.cells.insert(place, {i, region});
     }
     const double reach = std::sqrt(reach_sq);
-    table.take_sorted([&](const EdgeSum& edge) {
+    for (const EdgeSum& edge : table.take_sorted()) {
       const double sum = resolve_sum(mesh_, simplices, i, edge, reach, conforming);
       const double length = distance(mesh_.points[i], mesh_.points[edge.other]);
       const double area = kSumToArea * length * sum;
@@ -327,7 +316,7 @@ class DualBuilder {
       } else {
         block.faces.push_back({i, edge.other, edge.region, area, length});
       }
-    });
+    }
   }
 
   /// Concatenates the blocks.

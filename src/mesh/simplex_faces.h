@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <bit>
 
 #include "voropack/mesh.h"
 
@@ -43,13 +42,21 @@ SimplexId neighbor_in_region(const Mesh<D>& mesh, SimplexId s, int i) {
   return !t.is_none() && mesh.simplex_region[t] == mesh.simplex_region[s] ? t : SimplexId::none();
 }
 
-/// What `mirror_corner` returns if s and t share several faces (a mesh of very few simplices): compares the faces.
+/// The corner of t opposite to the face that it shares with s.
 template <int D>
-int mirror_corner_of_many(const Mesh<D>& mesh, SimplexId s, SimplexId t, int corner_of_s) {
-  int match = -1;
+int mirror_corner(const Mesh<D>& mesh, SimplexId s, SimplexId t, int corner_of_s) {
+  const auto& neighbors = mesh.simplex_neighbors[t];
+  int match = -1, n_matches = 0;
   for (int k = 0; k <= D; ++k) {
-    if (mesh.simplex_neighbors[t][static_cast<std::size_t>(k)] != s) continue;
-    match = k;
+    if (neighbors[static_cast<std::size_t>(k)] == s) {
+      match = k;
+      ++n_matches;
+    }
+  }
+  if (n_matches == 1) return match;
+  // Two simplices that share two faces (a mesh of very few simplices): compare the faces themselves.
+  for (int k = 0; k <= D; ++k) {
+    if (neighbors[static_cast<std::size_t>(k)] != s) continue;
     const VertexId apex = mesh.simplex_vertices[t][static_cast<std::size_t>(k)];
     bool on_face = false;
     for (int c = 0; c <= D; ++c)
@@ -57,16 +64,6 @@ int mirror_corner_of_many(const Mesh<D>& mesh, SimplexId s, SimplexId t, int cor
     if (!on_face) return k;
   }
   return match;
-}
-
-/// The corner of t opposite to the face that it shares with s.
-template <int D>
-int mirror_corner(const Mesh<D>& mesh, SimplexId s, SimplexId t, int corner_of_s) {
-  // Which one matches cannot be predicted: no branches.
-  unsigned matches = 0;
-  for (unsigned k = 0; k <= D; ++k) matches |= (mesh.simplex_neighbors[t][k] == s ? 1U : 0U) << k;
-  if (std::has_single_bit(matches)) return std::countr_zero(matches);
-  return mirror_corner_of_many(mesh, s, t, corner_of_s);
 }
 
 }  // namespace voropack
