@@ -100,9 +100,9 @@ QualityReport::Spread measure_spread(std::span<const double> values, double lo, 
 void AngleTally::count_waiting() {
   std::array<double, kBatch> pseudo;
   for (std::size_t k = 0; k < n_waiting_; ++k) {
-    const double x = x_[k], y = y_[k];
-    const double ratio = y / (std::abs(x) + y);
-    pseudo[k] = x < 0 ? 2 - ratio : ratio;
+    const double x = x_[k], ratio = y_[k] / (std::abs(x) + y_[k]);
+    // ratio, or 2 - ratio if x < 0: which one cannot be predicted, so there is no branch.
+    pseudo[k] = (1 - std::copysign(1.0, x)) + std::copysign(ratio, x);
   }
   double least = least_, greatest = greatest_;
   for (std::size_t k = 0; k < n_waiting_; ++k) {
