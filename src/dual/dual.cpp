@@ -45,9 +45,10 @@ struct ShareStatistics {
 
 template <int D>
 std::array<Vec<D>, D> positions(const Mesh<D>& mesh, const std::array<VertexId, D>& vertices) {
-  std::array<Vec<D>, D> p;
-  for (std::size_t k = 0; k < D; ++k) p[k] = mesh.points[vertices[k]];
-  return p;
+  if constexpr (D == 2)
+    return {mesh.points[vertices[0]], mesh.points[vertices[1]]};
+  else
+    return {mesh.points[vertices[0]], mesh.points[vertices[1]], mesh.points[vertices[2]]};
 }
 
 /// Writes the share of the face opposite to corner I of s if s answers for it: if it leads to no simplex, to another

@@ -22,9 +22,11 @@ constexpr std::size_t kFaceBlock = 1U << 16U;  // Dual faces per task.
 
 template <int D>
 std::array<Vec<D>, D + 1> corners(const Mesh<D>& mesh, SimplexId s) {
-  std::array<Vec<D>, D + 1> p;
-  for (std::size_t k = 0; k <= D; ++k) p[k] = mesh.points[mesh.simplex_vertices[s][k]];
-  return p;
+  const auto& v = mesh.simplex_vertices[s];
+  if constexpr (D == 2)
+    return {mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]]};
+  else
+    return {mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]};
 }
 
 /// The angles of triangle p, whose doubled area is `area2`.
