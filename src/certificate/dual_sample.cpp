@@ -38,28 +38,27 @@ Stars sample_stars(const Subject<D>& subject) {
   struct Hit {
     std::uint32_t star, simplex;
   };
-  const std::vector<Hit> hits = parallel_reduce_ordered(
-      subject.mesh.simplex_vertices.size(), 16 * kBlock, std::vector<Hit>{},
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<Hit> found;
-        for (std::size_t s = begin; s < end; ++s) {
+  const std::size_t n_simplices = subject.mesh.simplex_vertices.size();
+  std::vector<std::vector<Hit>> hits((n_simplices + kBlock - 1) / kBlock);
+  parallel_for(
+      hits.size(),
+      [&](std::size_t block) {
+        for (std::size_t s = block * kBlock; s < std::min(n_simplices, (block + 1) * kBlock); ++s) {
           if (!subject.topology.valid(s)) continue;
           for (const VertexId v : subject.mesh.simplex_vertices[SimplexId(s)])
             if (sampled[v.value()] != 0)
-              found.push_back({static_cast<std::uint32_t>(v.value() / step), static_cast<std::uint32_t>(s)});
+              hits[block].push_back({static_cast<std::uint32_t>(v.value() / step), static_cast<std::uint32_t>(s)});
         }
-        return found;
       },
-      [](std::vector<Hit> all, const std::vector<Hit>& found) {
-        all.insert(all.end(), found.begin(), found.end());
-        return all;
-      });
+      1);
   stars.offsets.assign(stars.vertex.size() + 1, 0);
-  for (const Hit& hit : hits) ++stars.offsets[hit.star + 1];
+  for (const auto& block : hits)
+    for (const Hit& hit : block) ++stars.offsets[hit.star + 1];
   for (std::size_t k = 0; k < stars.vertex.size(); ++k) stars.offsets[k + 1] += stars.offsets[k];
   stars.simplices.resize(stars.offsets.back());
   std::vector<std::uint64_t> next(stars.offsets.begin(), stars.offsets.end() - 1);
-  for (const Hit& hit : hits) stars.simplices[next[hit.star]++] = hit.simplex;
+  for (const auto& block : hits)
+    for (const Hit& hit : block) stars.simplices[next[hit.star]++] = hit.simplex;
   return stars;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numbers>
 
 #include "base/parallel.h"
@@ -31,19 +30,16 @@ class BinFinder {
 /// The value of the given rank, which lies in `bin`, where the ranks start with `first_rank`.
 double value_of_rank(std::span<const double> values, const BinFinder& bin_of, std::size_t bin, std::size_t rank,
                      std::size_t first_rank) {
-  std::vector<double> candidates = parallel_reduce_ordered(
-      values.size(), kBlock, std::vector<double>{},
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<double> found;
-        std::copy_if(values.begin() + static_cast<std::ptrdiff_t>(begin),
-                     values.begin() + static_cast<std::ptrdiff_t>(end), std::back_inserter(found),
-                     [&](double value) { return bin_of(value) == bin; });
-        return found;
+  std::vector<std::vector<double>> found((values.size() + kBlock - 1) / kBlock);
+  parallel_for(
+      found.size(),
+      [&](std::size_t block) {
+        for (const double value : values.subspan(block * kBlock, std::min(kBlock, values.size() - block * kBlock)))
+          if (bin_of(value) == bin) found[block].push_back(value);
       },
-      [](std::vector<double> all, const std::vector<double>& found) {
-        all.insert(all.end(), found.begin(), found.end());
-        return all;
-      });
+      1);
+  std::vector<double> candidates;
+  for (const std::vector<double>& block : found) candidates.insert(candidates.end(), block.begin(), block.end());
   const auto place = candidates.begin() + static_cast<std::ptrdiff_t>(rank - first_rank);
   std::nth_element(candidates.begin(), place, candidates.end());
   return *place;
