@@ -34,16 +34,14 @@ class BoxTree {
   /// `box_of(i)` for item i in [0, n), `weight_of(i)` >= 0. Expected O(n log n).
   template <class BoxOf, class WeightOf>
   BoxTree(std::size_t n, const BoxOf& box_of, const WeightOf& weight_of) : n_(n) {
-    order_.resize(n);
-    std::vector<Vec<D>> center(n);
-    parallel_for(n, [&](std::size_t i) {
-      order_[i] = static_cast<std::uint32_t>(i);
-      center[i] = box_of(i).center();
-    });
+    std::vector<Item> items(n);
+    parallel_for(n, [&](std::size_t i) { items[i] = {box_of(i).center(), static_cast<std::uint32_t>(i)}; });
     while ((n >> depth_) > kLeafSize) ++depth_;
     for (int level = 0; level < depth_; ++level)
       parallel_for(
-          std::size_t{1} << level, [&](std::size_t j) { split(level, j, center); }, 1);
+          std::size_t{1} << level, [&](std::size_t j) { split(level, j, items); }, 1);
+    order_.resize(n);
+    parallel_for(n, [&](std::size_t i) { order_[i] = items[i].index; });
     summarize(box_of, weight_of);
   }
 
@@ -82,18 +80,21 @@ class BoxTree {
  private:
   static constexpr std::size_t kLeafSize = 8;
 
-  void split(int level, std::size_t j, const std::vector<Vec<D>>& center) {
-    const std::size_t begin = (n_ * j) >> level;
-    const std::size_t end = (n_ * (j + 1)) >> level;
-    const std::size_t middle = (n_ * (2 * j + 1)) >> (level + 1);
+  struct Item {
+    Vec<D> center;
+    std::uint32_t index = 0;
+  };
+
+  void split(int level, std::size_t j, std::vector<Item>& items) {
+    const auto at = [&](std::size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };
+    const auto begin = at((n_ * j) >> level), end = at((n_ * (j + 1)) >> level);
+    const auto middle = at((n_ * (2 * j + 1)) >> (level + 1));
     Box<D> box;
-    for (std::size_t i = begin; i < end; ++i) box.add(center[order_[i]]);
+    for (auto item = begin; item != end; ++item) box.add(item->center);
     int axis = 0;
     for (int k = 1; k < D; ++k)
       if (box.hi[k] - box.lo[k] > box.hi[axis] - box.lo[axis]) axis = k;
-    const auto at = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
-    std::nth_element(at(begin), at(middle), at(end),
-                     [&](std::uint32_t a, std::uint32_t b) { return center[a][axis] < center[b][axis]; });
+    std::nth_element(begin, middle, end, [&](const Item& a, const Item& b) { return a.center[axis] < b.center[axis]; });
   }
 
   template <class BoxOf, class WeightOf>

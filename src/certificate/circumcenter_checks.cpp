@@ -98,36 +98,50 @@ class CircumcenterPass {
     std::optional<BallsAround> around;
     Blocked blocked = Blocked::kUnknown;
     if (subject_.has_spacing && contained) {
-      blocked = find_blocker(s, ball, around);
+      const CornerSpacings f = corner_spacings(s);
+      blocked = find_blocker(f, ball, around);
+      // R / (2 f) with f the mean of the corners: above 1 a point would fit at the circumcenter if f were constant.
       if (blocked == Blocked::kUnknown)
         ++tallies.maximal.undecided;
       else if (blocked == Blocked::kNo)
-        tallies.maximal.violation(kInsertable, relative_radius(s, ball), id);
+        tallies.maximal.violation(kInsertable, ball.radius * (D + 1) / (2 * f.sum), id);
       else
-        tallies.maximal.legal(relative_radius(s, ball), id);
+        tallies.maximal.legal_quotient(ball.radius * (D + 1), 2 * f.sum, id);
     }
     test_ratio(id, p, ball, blocked, around, tallies.ratio);
   }
 
  private:
-  /// R / (2 f) with f the mean of the corners: above 1 a point would fit at the circumcenter if f were constant.
-  [[nodiscard]] double relative_radius(std::size_t s, const Circumball<D>& ball) const {
+  /// The spacings at the corners of a simplex.
+  struct CornerSpacings {
     double sum = 0;
-    for (const VertexId v : subject_.mesh.simplex_vertices[SimplexId(s)]) sum += subject_.spacing(v.value());
-    return ball.radius * (D + 1) / (2 * sum);
+    double least = std::numeric_limits<double>::infinity();
+    double largest = 0;
+  };
+  [[nodiscard]] CornerSpacings corner_spacings(std::size_t s) const {
+    CornerSpacings corners;
+    for (const VertexId v : subject_.mesh.simplex_vertices[SimplexId(s)]) {
+      const double f = subject_.spacing(v.value());
+      corners.sum += f;
+      corners.least = std::min(corners.least, f);
+      corners.largest = std::max(corners.largest, f);
+    }
+    return corners;
   }
 
   /// True if c is in no simplex but this region's: the straight way from the barycenter to c crosses no boundary face.
   bool test_containment(std::size_t s, const std::array<Vec<D>, D + 1>& p, const Circumball<D>& ball,
                         Tally& tally) const {
-    // All barycentric coordinates shrink from 1 / (D + 1) to the circumcenter's; the most negative is the exit.
-    int exit =
-        static_cast<int>(std::min_element(ball.barycentric.begin(), ball.barycentric.end()) - ball.barycentric.begin());
     const auto id = static_cast<std::uint32_t>(s);
-    if (!(ball.barycentric[static_cast<std::size_t>(exit)] < 0)) {
+    unsigned n_negative = 0;
+    for (const double coordinate : ball.barycentric) n_negative += coordinate < 0 ? 1U : 0U;
+    if (n_negative == 0) {
       tally.legal(0, id, id);
       return true;
     }
+    // All barycentric coordinates shrink from 1 / (D + 1) to the circumcenter's; the most negative is the exit.
+    int exit =
+        static_cast<int>(std::min_element(ball.barycentric.begin(), ball.barycentric.end()) - ball.barycentric.begin());
     Vec<D> start;
     for (const Vec<D>& corner : p) start += corner / (D + 1);
     std::size_t here = s;
@@ -209,29 +223,23 @@ class CircumcenterPass {
   }
 
   /// Why c cannot be added. f(c) is only known to lie in [low, high] unless the options give f.
-  Blocked find_blocker(std::size_t s, const Circumball<D>& ball, std::optional<BallsAround>& around) const {
-    double low = 0;
-    double high = std::numeric_limits<double>::infinity();
-    double largest = 0;
-    for (const VertexId v : subject_.mesh.simplex_vertices[SimplexId(s)]) {
-      const double f = subject_.spacing(v.value());
-      low = std::max(low, f - subject_.gradation * ball.radius);
-      high = std::min(high, f + subject_.gradation * ball.radius);
-      largest = std::max(largest, f);
-    }
+  Blocked find_blocker(const CornerSpacings& corners, const Circumball<D>& ball,
+                       std::optional<BallsAround>& around) const {
+    const double low = std::max(0.0, corners.largest - subject_.gradation * ball.radius);
+    double high = corners.least + subject_.gradation * ball.radius;
     // R (1 - b) <= (2 + E (1 + b)) f(c) is what an epsilon-maximal packing promises; with E = 0, that some corner
     // blocks c is the same but for the use of b.
     const double b = subject_.gradation;
     const double radius = ball.radius * (1 - kSlack) - ball.error;
     const auto corner_blocks = [&](double f) {
       if (epsilon_ > 0) return radius * (1 - b) <= (2 + epsilon_ * (1 + b)) * f;
-      return radius <= f + largest;
+      return radius <= f + corners.largest;
     };
     if (corner_blocks(low)) return Blocked::kByVertex;
     bool exact = false;
     if (subject_.options.spacing) {
       const double f = subject_.options.spacing(std::span<const double>(ball.center.coord));
-      low = high = f;
+      high = f;
       exact = true;
       if (corner_blocks(f)) return Blocked::kByVertex;
     }
@@ -246,10 +254,18 @@ class CircumcenterPass {
     double shortest_sq = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < D; ++i)
       for (std::size_t j = i + 1; j <= D; ++j) shortest_sq = std::min(shortest_sq, distance_sq(p[i], p[j]));
+    // Most ratios are far below the bound and the worst one, which squares tell without a root.
+    const double noted = !tally.worst.present ? 0 : tally.worst.kind > 0 ? bounds_.vertex : tally.worst.figure;
+    const double common = std::min(bounds_.vertex, noted) * (1 - kSlack);
+    if (ball.radius * ball.radius < common * common * shortest_sq) {
+      ++tally.tested;
+      return;
+    }
     const double ratio = ball.radius / std::sqrt(shortest_sq);
     double bound = bounds_.vertex;
     if (ratio > bound * (1 + kSlack) && blocked != Blocked::kByVertex) {
-      if (!around) around = balls_around(ball, subject_.has_spacing ? epsilon_ * largest_spacing(s, ball.radius) : 0);
+      const double f = subject_.has_spacing ? corner_spacings(s).largest + subject_.gradation * ball.radius : 0;
+      if (!around) around = balls_around(ball, epsilon_ * f);
       if (around->face) bound = std::max(bound, bounds_.face_ball);
       if (around->edge && !around->face) bound = std::max(bound, bounds_.edge_ball);
     }
@@ -257,12 +273,6 @@ class CircumcenterPass {
       tally.violation(1, ratio, s);
     else
       tally.legal(ratio, s);
-  }
-
-  [[nodiscard]] double largest_spacing(std::uint32_t s, double radius) const {
-    double f = 0;
-    for (const VertexId v : subject_.mesh.simplex_vertices[SimplexId(s)]) f = std::max(f, subject_.spacing(v.value()));
-    return f + subject_.gradation * radius;
   }
 
   const Subject<D>& subject_;

@@ -29,11 +29,11 @@ void test_simplex(const Subject<D>& subject, std::size_t s, Tally& tally) {
     double size = 0;
     const SignedValue inside = certain_in_circumball(p, subject.mesh.points[opposite], size);
     // -power of the opposite vertex relative to the squared size of the pair.
-    const double figure = inside.value / (volume.value * size * size);
+    const double scale = volume.value * size * size;
     if (inside.sign > 0)
-      tally.violation(kBallNotEmpty, std::max(figure, 0.0), id, n, opposite.value());
+      tally.violation(kBallNotEmpty, std::max(inside.value / scale, 0.0), id, n, opposite.value());
     else
-      tally.legal(std::min(figure, 0.0), id, n, opposite.value());
+      tally.legal_quotient(std::min(inside.value, 0.0), scale, id, n, opposite.value());
   }
 }
 

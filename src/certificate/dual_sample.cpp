@@ -33,19 +33,32 @@ Stars sample_stars(const Subject<D>& subject) {
   const std::size_t step = n / kSampledVertices + 1;
   Stars stars;
   for (std::size_t v = 0; v < n; v += step) stars.vertex.push_back(static_cast<std::uint32_t>(v));
-  stars.offsets.assign(stars.vertex.size() + 1, 0);
-  const auto for_each = [&](auto&& take) {
-    for (std::size_t s = 0; s < subject.mesh.simplex_vertices.size(); ++s) {
-      if (!subject.topology.valid(s)) continue;
-      for (const VertexId v : subject.mesh.simplex_vertices[SimplexId(s)])
-        if (step == 1 || v.value() % step == 0) take(v.value() / step, static_cast<std::uint32_t>(s));
-    }
+  std::vector<std::uint8_t> sampled(n, 0);
+  for (const std::uint32_t v : stars.vertex) sampled[v] = 1;
+  struct Hit {
+    std::uint32_t star, simplex;
   };
-  for_each([&](std::size_t k, std::uint32_t) { ++stars.offsets[k + 1]; });
+  const std::size_t n_simplices = subject.mesh.simplex_vertices.size();
+  std::vector<std::vector<Hit>> hits((n_simplices + kBlock - 1) / kBlock);
+  parallel_for(
+      hits.size(),
+      [&](std::size_t block) {
+        for (std::size_t s = block * kBlock; s < std::min(n_simplices, (block + 1) * kBlock); ++s) {
+          if (!subject.topology.valid(s)) continue;
+          for (const VertexId v : subject.mesh.simplex_vertices[SimplexId(s)])
+            if (sampled[v.value()] != 0)
+              hits[block].push_back({static_cast<std::uint32_t>(v.value() / step), static_cast<std::uint32_t>(s)});
+        }
+      },
+      1);
+  stars.offsets.assign(stars.vertex.size() + 1, 0);
+  for (const auto& block : hits)
+    for (const Hit& hit : block) ++stars.offsets[hit.star + 1];
   for (std::size_t k = 0; k < stars.vertex.size(); ++k) stars.offsets[k + 1] += stars.offsets[k];
   stars.simplices.resize(stars.offsets.back());
   std::vector<std::uint64_t> next(stars.offsets.begin(), stars.offsets.end() - 1);
-  for_each([&](std::size_t k, std::uint32_t s) { stars.simplices[next[k]++] = s; });
+  for (const auto& block : hits)
+    for (const Hit& hit : block) stars.simplices[next[hit.star]++] = hit.simplex;
   return stars;
 }
 

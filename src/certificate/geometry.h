@@ -95,10 +95,10 @@ inline SignedValue certain_in_circumball(const std::array<Vec<3>, 4>& p, const V
 template <int D>
 struct Circumball {
   Vec<D> center;
-  double radius = 0;
-  double error = 0;                         ///< Bound on the distance between `center` and the true circumcenter.
-  std::array<double, D + 1> barycentric{};  ///< Of the center: negative i means beyond the face opposite to corner i.
-  double determinant = 0;                   ///< D! times the simplex's measure.
+  double radius;
+  double error;                           ///< Bound on the distance between `center` and the true circumcenter.
+  std::array<double, D + 1> barycentric;  ///< Of the center: negative i means beyond the face opposite to corner i.
+  double determinant;                     ///< D! times the simplex's measure.
 };
 
 /// `p` must be positively oriented.

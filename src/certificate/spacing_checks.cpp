@@ -53,13 +53,23 @@ PairTallies test_leaf(const Subject<D>& subject, std::size_t leaf) {
         result.packing.violation(kBadSpacing, kNoFigure, v, v);
     }
   }
+  const Box<D>* entered = nullptr;  // The last node of the tree that was of interest; `pairs` gets its items.
+  double entered_weight = 0;
   const auto enter = [&](const Box<D>& other, double other_weight) {
+    entered = &other;
+    entered_weight = other_weight;
     if (n_pairs > kPairBudget && result.packing.violations + result.duplicates.violations > 0) return false;
     const double reach = std::max(kNearPair * (weight + other_weight), same);
     return distance_sq(box, other) <= reach * reach;
   };
   const auto pairs = [&](std::size_t first, std::size_t last) {
     for (std::size_t i = begin; i < end; ++i) {
+      // As `enter`, for one vertex of the leaf.
+      const double reach = std::max(kNearPair * (vertices.spacing[i] + entered_weight), same);
+      if (entered->distance_sq(vertices.point[i]) > reach * reach) {
+        n_pairs += last - std::min(last, std::max(first, i + 1));
+        continue;
+      }
       for (std::size_t j = std::max(first, i + 1); j < last; ++j) {
         ++n_pairs;
         const double gap_sq = distance_sq(vertices.point[i], vertices.point[j]);
@@ -116,6 +126,7 @@ void test_slope(const Subject<D>& subject, std::uint32_t v, std::uint32_t w, Slo
   const double g = subject.spacing(w);
   const double rise = f - g;
   ++tally.tested;
+  if (rise == 0) return;  // Neither steeper than anything nor steeper than allowed.
   const Slope slope{rise * rise, distance_sq(subject.point(v), subject.point(w)), {v, w}};
   tally.steepest.take(slope);
   if (!subject.options.gradation) return;

@@ -39,7 +39,17 @@ struct Tally {
 
   void legal(double figure, std::uint32_t a = 0, std::uint32_t b = 0, std::uint32_t c = 0) {
     ++tested;
+    if (worst.present && (worst.kind > 0 || figure <= worst.figure)) return;
     note({.kind = 0, .figure = figure, .ids = {a, b, c}, .present = true});
+  }
+  /// The same for the figure numerator / denominator, denominator > 0; spares most calls the division.
+  void legal_quotient(double numerator, double denominator, std::uint32_t a = 0, std::uint32_t b = 0,
+                      std::uint32_t c = 0) {
+    constexpr double kRounding = 0x1p-48;
+    if (worst.present && numerator + kRounding * std::abs(numerator) < worst.figure * denominator)
+      ++tested;
+    else
+      legal(numerator / denominator, a, b, c);
   }
   void violation(int kind, double figure, std::uint32_t a = 0, std::uint32_t b = 0, std::uint32_t c = 0) {
     ++tested;

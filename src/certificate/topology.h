@@ -67,9 +67,11 @@ class Topology {
   [[nodiscard]] bool finite(std::size_t v) const { return (vertex_state_[v] & kFinite) != 0; }
   [[nodiscard]] const std::vector<BoundaryFace<D>>& boundary() const { return boundary_; }
   [[nodiscard]] std::array<Vec<D>, D + 1> corners(std::size_t s) const {
-    std::array<Vec<D>, D + 1> p;
-    for (std::size_t i = 0; i <= D; ++i) p[i] = mesh_.points[mesh_.simplex_vertices[SimplexId(s)][i]];
-    return p;
+    const auto& v = mesh_.simplex_vertices[SimplexId(s)];
+    if constexpr (D == 2)
+      return {mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]]};
+    else
+      return {mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]], mesh_.points[v[3]]};
   }
   /// The smaller measure of floating point resolution: 16 ulp of the largest coordinate.
   [[nodiscard]] double resolution() const { return resolution_; }

@@ -45,9 +45,10 @@ struct ShareStatistics {
 
 template <int D>
 std::array<Vec<D>, D> positions(const Mesh<D>& mesh, const std::array<VertexId, D>& vertices) {
-  std::array<Vec<D>, D> p;
-  for (std::size_t k = 0; k < D; ++k) p[k] = mesh.points[vertices[k]];
-  return p;
+  if constexpr (D == 2)
+    return {mesh.points[vertices[0]], mesh.points[vertices[1]]};
+  else
+    return {mesh.points[vertices[0]], mesh.points[vertices[1]], mesh.points[vertices[2]]};
 }
 
 /// Writes the share of the face opposite to corner I of s if s answers for it: if it leads to no simplex, to another
@@ -150,17 +151,19 @@ double add_simplex(const Mesh<3>& mesh, const Shares<3>& shares, SimplexId s, Ve
   const Vec<3> from0 = origin - p0, from1 = origin - p1, from2 = origin - p2;
   const Vec<3> edge01 = p1 - p0, edge12 = p2 - p1, edge20 = p0 - p2;
   // The face (i, j, k) is opposite to the third of the other corners, l; its product is that of i - k and j - k.
-  const auto add = [&](std::size_t j, std::size_t k, std::size_t l, double dot_k, double dot_l) {
+  const auto add = [&](std::size_t j, std::size_t k, std::size_t l, const Vec<3>& from_k, const Vec<3>& edge_jk,
+                       const Vec<3>& from_l, const Vec<3>& edge_lj) {
     if (vertices[corner[j]] < i) return;
+    const double dot_k = -dot(from_k, edge_jk), dot_l = dot(from_l, edge_lj);
     EdgeSum& edge = table.at(vertices[corner[j]], region);
     const double share_k = share[corner[l]], share_l = share[corner[k]];
     edge.sum += dot_k * share_k + dot_l * share_l;
     edge.shares += std::abs(share_k) + std::abs(share_l);
     edge.n_terms += 2;
   };
-  add(0, 1, 2, -dot(from1, edge01), dot(from2, edge20));
-  add(1, 2, 0, -dot(from2, edge12), dot(from0, edge01));
-  add(2, 0, 1, -dot(from0, edge20), dot(from1, edge12));
+  add(0, 1, 2, from1, edge01, from2, edge20);
+  add(1, 2, 0, from2, edge12, from0, edge01);
+  add(2, 0, 1, from0, edge20, from1, edge12);
   return std::max({norm_sq(from0), norm_sq(from1), norm_sq(from2)});
 }
 
@@ -239,7 +242,7 @@ struct BlockResult {
   struct Face {
     VertexId i, j;
     int region = 0;
-    double area = 0;
+    double area = 0, edge_length = 0;
   };
   struct Cell {
     VertexId vertex;
@@ -267,6 +270,7 @@ class DualBuilder {
 
  private:
   static constexpr double kSumToArea = D == 3 ? 0.25 : 1.0;
+  static constexpr std::size_t kEdgesPerVertex = D == 3 ? 8 : 3;  // Slightly more than there are on average.
 
   std::vector<BlockResult> sum_blocks(ControlVolumes<D>& out) {
     Shares<D> shares;
@@ -282,6 +286,8 @@ class DualBuilder {
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
       observer_.check_cancelled();
       EdgeTable& table = tables.local();
+      blocks[b].faces.reserve(kEdgesPerVertex * kBlock);
+      blocks[b].cells.reserve(kBlock);
       for (std::size_t v = b * kBlock; v < std::min(n, (b + 1) * kBlock); ++v)
         sum_vertex(VertexId(v), shares, vertex_simplices[VertexId(v)], statistics.conforming, table, blocks[b]);
     });
@@ -304,11 +310,12 @@ class DualBuilder {
     const double reach = std::sqrt(reach_sq);
     for (const EdgeSum& edge : table.take_sorted()) {
       const double sum = resolve_sum(mesh_, simplices, i, edge, reach, conforming);
-      const double area = kSumToArea * distance(mesh_.points[i], mesh_.points[edge.other]) * sum;
+      const double length = distance(mesh_.points[i], mesh_.points[edge.other]);
+      const double area = kSumToArea * length * sum;
       if (area == 0) {
         ++block.n_zero_areas;
       } else {
-        block.faces.push_back({i, edge.other, edge.region, area});
+        block.faces.push_back({i, edge.other, edge.region, area, length});
       }
     }
   }
@@ -335,7 +342,7 @@ class DualBuilder {
         out.face_vertices[f] = {face.i, face.j};
         out.face_region[f] = face.region;
         out.face_area[f] = face.area;
-        out.face_edge_length[f] = distance(mesh_.points[face.i], mesh_.points[face.j]);
+        out.face_edge_length[f] = face.edge_length;
         ++f;
       }
       CellId c(first_cell[b]);

@@ -26,8 +26,8 @@ Vec<3> outward_normal(const std::array<Vec<3>, 3>& p) { return cross(p[2] - p[0]
 template <int D>
 class Cell {
  public:
-  Cell(const Mesh<D>& mesh, const IdVector<SimplexId, Vec<D>>& circumcenters)
-      : mesh_(mesh), circumcenters_(circumcenters), seen_by_(mesh.points.size()) {}
+  Cell(const Mesh<D>& mesh, const SimplexFigures<D>& figures)
+      : mesh_(mesh), figures_(figures), seen_by_(mesh.points.size()) {}
 
   /// R/r of the part of v's cell that the simplices cover; they are those around v in one region.
   double aspect(CellId cell, VertexId v, std::span<const SimplexId> simplices) {
@@ -53,12 +53,13 @@ class Cell {
   static constexpr double kThinBall = 1e-6;
 
   void add_simplex(VertexId v, SimplexId s) {
-    corners_.push_back(circumcenters_[s] - site_);
+    corners_.push_back(figures_.circumcenter[s] - site_);
+    const unsigned walls = figures_.walls[s];
     for (int i = 0; i <= D; ++i) {
       const VertexId apex = mesh_.simplex_vertices[s][static_cast<std::size_t>(i)];
       if (apex == v) continue;
       add_bisector(apex);
-      if (neighbor_in_region(mesh_, s, i).is_none()) add_wall(v, s, i);
+      if ((walls >> static_cast<unsigned>(i) & 1U) != 0) add_wall(v, s, i);
     }
   }
 
@@ -101,7 +102,7 @@ class Cell {
   }
 
   const Mesh<D>& mesh_;
-  const IdVector<SimplexId, Vec<D>>& circumcenters_;
+  const SimplexFigures<D>& figures_;
   CellId cell_;
   Vec<D> site_;
   std::vector<Vec<D>> corners_;
@@ -113,30 +114,38 @@ class Cell {
 
 template <int D>
 std::vector<double> cell_aspects(const Mesh<D>& mesh, const ControlVolumes<D>& volumes,
-                                 const IdVector<SimplexId, Vec<D>>& circumcenters, Observer& observer) {
+                                 const SimplexFigures<D>& figures, Observer& observer) {
   constexpr std::size_t kBlock = 2048;
   const Csr<VertexId, SimplexId> vertex_simplices =
       invert_incidence<VertexId>(mesh.simplex_vertices, mesh.points.size());
-  std::vector<double> aspects(volumes.cell_vertex.size());
-  tbb::enumerable_thread_specific<Cell<D>> cells([&] { return Cell<D>(mesh, circumcenters); });
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, aspects.size(), kBlock), [&](const auto& range) {
+  const std::size_t n = volumes.cell_vertex.size();
+  std::vector<double> aspects(n);
+  const auto same_vertex = [&](std::size_t a, std::size_t b) {
+    return volumes.cell_vertex[CellId(a)] == volumes.cell_vertex[CellId(b)];
+  };
+  tbb::enumerable_thread_specific<Cell<D>> cells([&] { return Cell<D>(mesh, figures); });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, kBlock), [&](const auto& range) {
     observer.check_cancelled();
     Cell<D>& cell = cells.local();
-    std::vector<SimplexId> simplices;
+    std::vector<SimplexId> in_region;
     for (std::size_t c = range.begin(); c != range.end(); ++c) {
       const VertexId v = volumes.cell_vertex[CellId(c)];
-      simplices.clear();
-      for (const SimplexId s : vertex_simplices[v])
-        if (mesh.simplex_region[s] == volumes.cell_region[CellId(c)]) simplices.push_back(s);
+      std::span<const SimplexId> simplices = std::as_const(vertex_simplices)[v];
+      if ((c > 0 && same_vertex(c, c - 1)) || (c + 1 < n && same_vertex(c, c + 1))) {
+        in_region.clear();
+        for (const SimplexId s : simplices)
+          if (mesh.simplex_region[s] == volumes.cell_region[CellId(c)]) in_region.push_back(s);
+        simplices = in_region;
+      }
       aspects[c] = cell.aspect(CellId(c), v, simplices);
     }
   });
   return aspects;
 }
 
-template std::vector<double> cell_aspects(const Mesh<2>&, const ControlVolumes<2>&, const IdVector<SimplexId, Vec<2>>&,
+template std::vector<double> cell_aspects(const Mesh<2>&, const ControlVolumes<2>&, const SimplexFigures<2>&,
                                           Observer&);
-template std::vector<double> cell_aspects(const Mesh<3>&, const ControlVolumes<3>&, const IdVector<SimplexId, Vec<3>>&,
+template std::vector<double> cell_aspects(const Mesh<3>&, const ControlVolumes<3>&, const SimplexFigures<3>&,
                                           Observer&);
 
 }  // namespace voropack

@@ -17,21 +17,16 @@ namespace voropack {
 
 namespace {
 
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kBlock = 4096;           // Simplices per task.
+constexpr std::size_t kFaceBlock = 1U << 16U;  // Dual faces per task.
 
 template <int D>
 std::array<Vec<D>, D + 1> corners(const Mesh<D>& mesh, SimplexId s) {
-  std::array<Vec<D>, D + 1> p;
-  for (std::size_t k = 0; k <= D; ++k) p[k] = mesh.points[mesh.simplex_vertices[s][k]];
-  return p;
-}
-
-template <int D>
-double shortest_edge_sq(const std::array<Vec<D>, D + 1>& p) {
-  double least = distance_sq(p[0], p[1]);
-  for (std::size_t i = 0; i < p.size(); ++i)
-    for (std::size_t j = i + 1; j < p.size(); ++j) least = std::min(least, distance_sq(p[i], p[j]));
-  return least;
+  const auto& v = mesh.simplex_vertices[s];
+  if constexpr (D == 2)
+    return {mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]]};
+  else
+    return {mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]};
 }
 
 /// The angles of triangle p, whose doubled area is `area2`.
@@ -47,13 +42,27 @@ struct AngleTallies {
   AngleTally face, dihedral;
 };
 
+/// [edge] of a simplex, in the order of the corners 01, 02, ..., 12, ...
+template <int D>
+using EdgeLengthsSq = std::array<double, D*(D + 1) / 2>;
+
+template <int D>
+EdgeLengthsSq<D> edge_lengths_sq(const std::array<Vec<D>, D + 1>& p) {
+  EdgeLengthsSq<D> lengths_sq;
+  std::size_t edge = 0;
+  for (std::size_t i = 0; i <= D; ++i)
+    for (std::size_t j = i + 1; j <= D; ++j) lengths_sq[edge++] = distance_sq(p[i], p[j]);
+  return lengths_sq;
+}
+
 /// Adds the angles of simplex s; those of a face between two simplices are added by the first of them.
-void add_angles(const Mesh<2>&, SimplexId, const std::array<Vec<2>, 3>& p, double determinant, AngleTallies& tallies) {
+void add_angles(const Mesh<2>&, SimplexId, const std::array<Vec<2>, 3>& p, const EdgeLengthsSq<2>&, double determinant,
+                AngleTallies& tallies) {
   add_triangle(p[0], p[1], p[2], determinant, tallies.face);
 }
 
-void add_angles(const Mesh<3>& mesh, SimplexId s, const std::array<Vec<3>, 4>& p, double determinant,
-                AngleTallies& tallies) {
+void add_angles(const Mesh<3>& mesh, SimplexId s, const std::array<Vec<3>, 4>& p, const EdgeLengthsSq<3>& lengths_sq,
+                double determinant, AngleTallies& tallies) {
   std::array<Vec<3>, 4> normal;  // Into the simplex, twice the face's area long.
   for (std::size_t i = 0; i < 4; ++i) {
     const auto& f = kFaceCorners<3>[i];
@@ -63,15 +72,22 @@ void add_angles(const Mesh<3>& mesh, SimplexId s, const std::array<Vec<3>, 4>& p
     const SimplexId t = mesh.simplex_neighbors[s][i];
     if (t.is_none() || s < t) add_triangle(a, b, c, norm(normal[i]), tallies.face);
   }
+  std::size_t opposite = 5;
   for (std::size_t i = 0; i < 4; ++i) {
     for (std::size_t j = i + 1; j < 4; ++j) {
-      // The faces opposite to i and j meet at the edge of the other two corners, kl.
-      const std::size_t k = i > 0 ? 0 : j > 1 ? 1 : 2;
-      const double edge = distance(p[k], p[6 - i - j - k]);
-      // |n_i x n_j| = |edge| |determinant|.
-      tallies.dihedral.add(-dot(normal[i], normal[j]), edge * determinant);
+      // The faces opposite to i and j meet at the edge of the other two corners. |n_i x n_j| = |edge| |determinant|.
+      tallies.dihedral.add(-dot(normal[i], normal[j]), std::sqrt(lengths_sq[opposite--]) * determinant);
     }
   }
+}
+
+/// Bit i: the region ends at the face opposite to corner i.
+template <int D>
+std::uint8_t wall_corners(const Mesh<D>& mesh, SimplexId s) {
+  unsigned walls = 0;
+  for (int i = 0; i <= D; ++i)
+    if (neighbor_in_region(mesh, s, i).is_none()) walls |= 1U << static_cast<unsigned>(i);
+  return static_cast<std::uint8_t>(walls);
 }
 
 /// Figures of a block of simplices, region by region; regions ascend.
@@ -107,8 +123,7 @@ class QualityMeasure {
     measure_edges();
     measure_cells();
     observer_.progress(2, 3);
-    std::vector<double> aspects = cell_aspects(mesh_, volumes_, circumcenters_, observer_);
-    report_.cell_aspect = measure_spread(aspects, 1, 11, 40);
+    report_.cell_aspect = measure_spread(cell_aspects(mesh_, volumes_, simplices_, observer_), 1, 11, 40);
     observer_.progress(3, 3);
     return report_;
   }
@@ -116,7 +131,8 @@ class QualityMeasure {
  private:
   void measure_simplices() {
     std::vector<double> radius_edge(mesh_.simplex_vertices.size());
-    circumcenters_.resize(radius_edge.size());
+    simplices_.circumcenter.resize(radius_edge.size());
+    simplices_.walls.resize(radius_edge.size());
     tbb::enumerable_thread_specific<AngleTallies> tallies;
     const RegionSums sums = parallel_reduce_ordered(
         radius_edge.size(), kBlock, RegionSums{},
@@ -129,10 +145,12 @@ class QualityMeasure {
             const std::array<Vec<D>, D + 1> p = corners(mesh_, s);
             const double determinant = simplex_determinant<D>(p);
             const Vec<D> offset = circumcenter_offset<D>(p);
-            circumcenters_[s] = p[0] + offset;
-            const double ratio = std::sqrt(norm_sq(offset) / shortest_edge_sq<D>(p));
+            simplices_.circumcenter[s] = p[0] + offset;
+            simplices_.walls[s] = wall_corners(mesh_, s);
+            const EdgeLengthsSq<D> lengths_sq = edge_lengths_sq<D>(p);
+            const double ratio = std::sqrt(norm_sq(offset) / *std::min_element(lengths_sq.begin(), lengths_sq.end()));
             radius_edge[k] = std::isnan(ratio) ? std::numeric_limits<double>::infinity() : ratio;
-            add_angles(mesh_, s, p, determinant, local);
+            add_angles(mesh_, s, p, lengths_sq, determinant, local);
             auto& region = block.at(mesh_.simplex_region[s]);
             ++region.n;
             region.volume = region.volume + Dd(determinant / (D == 3 ? 6 : 2));
@@ -154,7 +172,7 @@ class QualityMeasure {
     report_.domain_volume = to_double(total);
     report_.radius_edge = measure_spread(radius_edge, 0, 4, 40);
     AngleTallies all;
-    for (const AngleTallies& t : tallies) {  // Counts and extremes: any order gives the same.
+    for (AngleTallies& t : tallies) {  // Counts and extremes: any order gives the same.
       all.face.merge(t.face);
       all.dihedral.merge(t.dihedral);
     }
@@ -164,14 +182,31 @@ class QualityMeasure {
 
   /// Edges on an interface have one dual face per region and count once.
   void measure_edges() {
-    std::vector<double> lengths;
-    lengths.reserve(volumes_.face_area.size());
-    for (const DualFaceId f : ids(volumes_.face_area)) {
-      if (f.value() > 0 && volumes_.face_vertices[f] == volumes_.face_vertices[DualFaceId(f.value() - 1)]) continue;
-      lengths.push_back(volumes_.face_edge_length[f]);
-    }
-    const double longest = lengths.empty() ? 0 : *std::max_element(lengths.begin(), lengths.end());
-    report_.edge_length = measure_spread(lengths, 0, longest, 40);
+    const std::vector<double>& lengths = volumes_.face_edge_length.raw();
+    const auto repeats = [&](std::size_t f) {
+      return f > 0 && volumes_.face_vertices[DualFaceId(f)] == volumes_.face_vertices[DualFaceId(f - 1)];
+    };
+    struct Seen {
+      double longest = 0;
+      bool repeated = false;
+    };
+    const Seen seen = parallel_reduce_ordered(
+        lengths.size(), kFaceBlock, Seen{},
+        [&](std::size_t begin, std::size_t end) {
+          Seen block;
+          for (std::size_t f = begin; f != end; ++f) {
+            block.longest = std::max(block.longest, lengths[f]);
+            block.repeated |= repeats(f);
+          }
+          return block;
+        },
+        [](const Seen& a, const Seen& b) {
+          return Seen{std::max(a.longest, b.longest), a.repeated || b.repeated};
+        });
+    std::vector<double> once;
+    for (std::size_t f = 0; seen.repeated && f < lengths.size(); ++f)
+      if (!repeats(f)) once.push_back(lengths[f]);
+    report_.edge_length = measure_spread(seen.repeated ? once : lengths, 0, seen.longest, 40);
   }
 
   void measure_cells() {
@@ -180,16 +215,33 @@ class QualityMeasure {
     report_.volume_sum = to_double(sum);
     if (!volumes_.cell_volume.empty())
       report_.min_cell_volume = *std::min_element(volumes_.cell_volume.begin(), volumes_.cell_volume.end());
-    if (!volumes_.face_area.empty())
-      report_.min_face_area = *std::min_element(volumes_.face_area.begin(), volumes_.face_area.end());
-    report_.n_negative_faces = static_cast<std::uint64_t>(
-        std::count_if(volumes_.face_area.begin(), volumes_.face_area.end(), [](double a) { return a < 0; }));
+    if (volumes_.face_area.empty()) return;
+    struct Areas {
+      double least;
+      std::uint64_t n_negative = 0;
+    };
+    const std::vector<double>& areas = volumes_.face_area.raw();
+    const Areas all = parallel_reduce_ordered(
+        areas.size(), kFaceBlock, Areas{areas[0]},
+        [&](std::size_t begin, std::size_t end) {
+          Areas block{areas[begin]};
+          for (std::size_t f = begin; f != end; ++f) {
+            block.least = std::min(block.least, areas[f]);
+            block.n_negative += areas[f] < 0 ? 1U : 0U;
+          }
+          return block;
+        },
+        [](const Areas& a, const Areas& b) {
+          return Areas{std::min(a.least, b.least), a.n_negative + b.n_negative};
+        });
+    report_.min_face_area = all.least;
+    report_.n_negative_faces = all.n_negative;
   }
 
   const Mesh<D>& mesh_;
   const ControlVolumes<D>& volumes_;
   Observer& observer_;
-  IdVector<SimplexId, Vec<D>> circumcenters_;
+  SimplexFigures<D> simplices_;
   QualityReport report_;
 };
 

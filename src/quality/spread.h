@@ -3,14 +3,15 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "voropack/quality.h"
 
 namespace voropack {
 
-/// The spread of `values`, which are reordered. All zero if there are none. Bins: `n_bins` equal ones of [lo, hi].
-QualityReport::Spread measure_spread(std::vector<double>& values, double lo, double hi, std::size_t n_bins);
+/// The spread of `values`. All zero if there are none. Bins: `n_bins` equal ones of [lo, hi].
+QualityReport::Spread measure_spread(std::span<const double> values, double lo, double hi, std::size_t n_bins);
 
 /// Counts angles of [0, pi] without calling an arc function for each.
 ///
@@ -22,22 +23,24 @@ class AngleTally {
   AngleTally() : bins_(kFineBins, 0) {}
 
   void add(double x, double y) {
-    const double ratio = y / ((x < 0 ? -x : x) + y);
-    const double pseudo = x < 0 ? 2 - ratio : ratio;
-    if (!(pseudo >= 0)) return;  // No direction at all: a triangle with two equal corners.
-    // Near 0 and near pi the ratio itself keeps the digits.
-    if (pseudo < least_) least_ = pseudo;
-    if (pseudo > greatest_) greatest_ = pseudo;
-    const auto bin = static_cast<std::size_t>(pseudo * (0.5 * kFineBins));
-    ++bins_[bin < kFineBins ? bin : kFineBins - 1];
+    x_[n_waiting_] = x;
+    y_[n_waiting_] = y;
+    if (++n_waiting_ == kBatch) count_waiting();
   }
 
-  void merge(const AngleTally& other);
-  [[nodiscard]] QualityReport::Spread spread_deg() const;
+  /// Adds what `other` counted, angles that wait in it included.
+  void merge(AngleTally& other);
+  [[nodiscard]] QualityReport::Spread spread_deg();
 
  private:
   static constexpr std::size_t kFineBins = 1U << 14U;
+  static constexpr std::size_t kBatch = 256;
 
+  /// Divides many at once: divisions of a batch overlap, and two share an instruction.
+  void count_waiting();
+
+  std::array<double, kBatch> x_, y_;  ///< [n_waiting_] angles that are not counted yet.
+  std::size_t n_waiting_ = 0;
   std::vector<std::uint64_t> bins_;
   double least_ = 2, greatest_ = 0;
 };

@@ -6,6 +6,7 @@
 #include "base/random.h"
 #include "certificate/box_tree.h"
 #include "certificate/geometry.h"
+#include "certificate/tally.h"
 
 namespace voropack::judge {
 namespace {
@@ -124,6 +125,29 @@ TEST(CertificateFilters, DiametralBallsKeepTheirErrorBound) {
   }
   EXPECT_TRUE(diametral_ball(Vec<3>{0, 0, 0}, Vec<3>{1, 2, 3}, Vec<3>{2, 4, 6}).degenerate);
   EXPECT_TRUE(diametral_ball(Vec<2>{1, 2}, Vec<2>{1, 2}).degenerate);
+}
+
+TEST(Tally, QuotientsAreNotedAsIfTheyWereDivided) {
+  Random random(11);
+  for (int trial = 0; trial < 50; ++trial) {
+    Tally quotients, figures;
+    for (std::uint32_t k = 0; k < 200; ++k) {
+      // Few different values, so that quotients tie, exactly and up to rounding.
+      const double denominator = 1 + static_cast<double>(random.bits() % 7) / 3;
+      const double figure = (static_cast<double>(random.bits() % 9) - (trial % 2 == 0 ? 8.0 : 4.0)) / 3;
+      const double numerator = figure * denominator;
+      quotients.legal_quotient(numerator, denominator, k);
+      figures.legal(numerator / denominator, k);
+      if (trial % 5 == 4 && k == 100) {
+        quotients.violation(1, -1, k);
+        figures.violation(1, -1, k);
+      }
+    }
+    EXPECT_EQ(quotients.tested, figures.tested);
+    EXPECT_EQ(quotients.worst.figure, figures.worst.figure);
+    EXPECT_EQ(quotients.worst.ids, figures.worst.ids);
+    EXPECT_EQ(quotients.worst.kind, figures.worst.kind);
+  }
 }
 
 TEST(BoxTree, FindsEveryItemInABall) {

@@ -1,12 +1,16 @@
 // The quality figures on meshes whose figures are known, and their laws on others.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "base/parallel.h"
 #include "base/random.h"
 #include "quality/cell_balls.h"
+#include "quality/spread.h"
 #include "support/delaunay_mesh.h"
 #include "voropack/dual.h"
 #include "voropack/quality.h"
@@ -170,6 +174,74 @@ TEST(CellBalls, TheEnclosingBallIsSmallest) {
       EXPECT_GT(best, -1e-6);
     }
   }
+}
+
+TEST(CellBalls, ManyPointsHaveTheBallOfTheirHull) {
+  // The corners of a box and hundreds of points inside, more than a cell has.
+  Random random(2);
+  std::vector<Vec<3>> points;
+  for (int k = 0; k < 300; ++k) points.push_back({random.unit(), 2 * random.unit(), 3 * random.unit()});
+  for (unsigned corner = 0; corner < 8; ++corner)
+    points.push_back({corner & 1U ? 1.0 : 0.0, corner & 2U ? 2.0 : 0.0, corner & 4U ? 3.0 : 0.0});
+  const Ball<3> ball = smallest_enclosing_ball<3>(points);
+  EXPECT_NEAR(ball.radius, std::sqrt(14.0) / 2, 1e-8);
+  EXPECT_NEAR(distance(ball.center, Vec<3>{0.5, 1.0, 1.5}), 0, 1e-8);
+}
+
+TEST(CellBalls, ManyTangentPlanesHaveTheBallThatTheyTouch) {
+  Random random(3);
+  const Vec<3> center = {0.1, -0.2, 0.05};
+  std::vector<HalfSpace<3>> half_spaces;
+  for (int k = 0; k < 300; ++k) {
+    Vec<3> normal = {random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5};
+    normal = normal / norm(normal);
+    half_spaces.push_back({normal, dot(normal, center) + 0.7});
+  }
+  const Ball<3> ball = largest_inscribed_ball<3>(half_spaces, 1);
+  EXPECT_NEAR(ball.radius, 0.7, 1e-8);
+  EXPECT_NEAR(distance(ball.center, center), 0, 1e-7);
+}
+
+TEST(Spread, ThePercentileIsTheNearestRankWhereverTheBinsLie) {
+  Random random(4);
+  for (const std::size_t n : {1U, 2U, 99U, 100U, 101U, 200'000U}) {
+    std::vector<double> values(n);
+    for (double& value : values) value = 3 * random.unit() - 1;
+    std::vector<double> sorted = values;
+    std::sort(sorted.begin(), sorted.end());
+    const double expected = sorted[static_cast<std::size_t>(std::ceil(0.99 * static_cast<double>(n))) - 1];
+    // All bins in use; values beyond both ends; all values in one bin; no width.
+    for (const auto& [lo, hi] :
+         {std::pair(-1.0, 2.0), std::pair(0.0, 1.0), std::pair(-99.0, 999.0), std::pair(0.0, 0.0)}) {
+      const auto spread = measure_spread(values, lo, hi, 40);
+      EXPECT_EQ(spread.p99, expected) << n << " values, bins of " << lo << " to " << hi;
+      EXPECT_EQ(spread.min, sorted.front());
+      EXPECT_EQ(spread.max, sorted.back());
+    }
+  }
+}
+
+TEST(Spread, AngleTalliesForgetNothingWhenTheyMerge) {
+  // Not a multiple of the batches in which angles are counted.
+  Random random(5);
+  AngleTally one, first, second;
+  double least = 180, greatest = 0, sum = 0;
+  constexpr int kAngles = 1'001;
+  for (int k = 0; k < kAngles; ++k) {
+    const double angle = M_PI * random.unit(), scale = 0.1 + random.unit();
+    least = std::min(least, angle * 180 / M_PI);
+    greatest = std::max(greatest, angle * 180 / M_PI);
+    sum += angle * 180 / M_PI;
+    for (AngleTally* tally : {&one, k % 3 == 0 ? &first : &second})
+      tally->add(scale * std::cos(angle), scale * std::sin(angle));
+  }
+  first.merge(second);
+  const auto whole = one.spread_deg(), merged = first.spread_deg();
+  EXPECT_EQ(whole.mean, merged.mean);
+  EXPECT_EQ(whole.histogram.bins, merged.histogram.bins);
+  EXPECT_NEAR(merged.min, least, 1e-10);
+  EXPECT_NEAR(merged.max, greatest, 1e-10);
+  EXPECT_NEAR(merged.mean, sum / kAngles, 0.01);
 }
 
 TEST(CellBalls, TheInscribedBallOfABox) {
