@@ -84,13 +84,20 @@ class Completion {
     if (labels_.region[slot] < 0 || !kernel_.is_finite(slot)) return;
     const auto corners = kernel_.corners(slot);
     std::array<Vec<K>, K + 1> points;
-    for (std::size_t i = 0; i <= K; ++i) points[i] = sphere(corners[i]).center;
+    double largest = 0;
+    for (std::size_t i = 0; i <= K; ++i) {
+      const Ball<K>& s = sphere(corners[i]);
+      points[i] = s.center;
+      largest = std::max(largest, s.radius);
+    }
     Vec<K> c = circumcenter(points);
+    const double radius = distance(c, points[0]);
+    // f(c) >= largest - b radius: most simplices are too small whatever f is there, and need no evaluation of it.
+    const double lipschitz = problem_.spacing.lipschitz;
+    if ((1 + lipschitz) * radius < 2 * largest * (1 - kPackingSlack)) return;
     if (!is_finite(c) || !problem_.bounds.contains(c)) return;
     double f = problem_.spacing.at(c);
-    const double radius = distance(c, points[0]);
-    for (std::size_t i = 0; i <= K; ++i)
-      if (radius < f + sphere(corners[i]).radius) return;
+    if (radius < f + largest) return;
     if (problem_.jitter > 0) {
       std::uint64_t h = hash_words(problem_.seed, corners[0], corners[1], corners[2]);
       for (int k = 0; k < K; ++k) c[k] += problem_.jitter * f * (2 * to_unit(h = mix64(h)) - 1);

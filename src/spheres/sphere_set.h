@@ -82,17 +82,18 @@ class SphereSet {
   }
 
  private:
-  /// The spheres with floor(log2(radius / unit)) == exponent.
+  /// The spheres with begin <= radius < 2 * begin, where begin is the unit times a power of two.
   struct Level {
-    int exponent;
+    double begin;
     BlockGrid<K> grid;
     double smallest, largest;
   };
   Level& level_of(double radius) {
-    const int exponent = static_cast<int>(std::floor(std::log2(radius / unit_)));
     for (Level& level : levels_)
-      if (level.exponent == exponent) return level;
-    levels_.push_back({exponent, BlockGrid<K>(origin_, 2 * std::ldexp(unit_, exponent)), radius, radius});
+      if (level.begin <= radius && radius < 2 * level.begin) return level;
+    double begin = std::ldexp(unit_, std::ilogb(radius / unit_));
+    if (begin > radius) begin /= 2;  // The quotient was rounded up to a power of two.
+    levels_.push_back({begin, BlockGrid<K>(origin_, 2 * begin), radius, radius});
     return levels_.back();
   }
 
