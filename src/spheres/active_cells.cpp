@@ -14,9 +14,9 @@ namespace {
 
 /// Down to this depth of the tree subtrees are worth a task of their own.
 constexpr int kParallelDepth = 3;
-/// Darts are thrown in this many groups (measured: fewer make the conflict graph dense, more pass over the cells too
-/// often).
-constexpr std::uint32_t kDartGroups = 4;
+/// Darts are thrown in this many groups (measured: fewer make the conflict graph dense, more give the threads little to
+/// do at a time).
+constexpr std::uint32_t kDartGroups = 16;
 /// A cell this much finer than the bounds means that the spacing function is broken.
 constexpr int kMaxDepth = 28;
 
@@ -263,55 +263,65 @@ void ActiveCells<K>::place_lattice(const std::vector<LatticePoint>& points) {
 
 template <int K>
 void ActiveCells<K>::throw_darts() {
-  const std::uint64_t round = ++round_;
-  // Group by group: most darts of the later groups meet a sphere that is there already, which is cheaper than a rival.
-  for (std::uint32_t group = 0; group < kDartGroups; ++group)
-    try_in_cells(round, group, kDartGroups, [&](const Cell& cell, const Box<K>& box, std::uint64_t hash) {
-      Vec<K> x;
-      for (int k = 0; k < K; ++k) {
-        hash = mix64(hash + 0x9e3779b97f4a7c15ULL);
-        x[k] = box.lo[k] + to_unit(hash) * side(cell.level);
-      }
-      return x;
-    });
+  try_in_cells(kDartGroups, [&](const Cell& cell, const Box<K>& box, std::uint64_t hash) {
+    Vec<K> x;
+    for (int k = 0; k < K; ++k) {
+      hash = mix64(hash + 0x9e3779b97f4a7c15ULL);
+      x[k] = box.lo[k] + to_unit(hash) * side(cell.level);
+    }
+    return x;
+  });
 }
 
 template <int K>
 void ActiveCells<K>::try_centers() {
-  try_in_cells(++round_, 0, 1, [&](const Cell&, const Box<K>& box, std::uint64_t) { return box.center(); });
+  try_in_cells(1, [&](const Cell&, const Box<K>& box, std::uint64_t) { return box.center(); });
 }
 
+/// Group by group: most positions of the later groups meet a sphere that is there already, which is cheaper than a
+/// rival.
 template <int K>
 template <class Position>
-void ActiveCells<K>::try_in_cells(std::uint64_t round, std::uint32_t group, std::uint32_t n_groups,
-                                  Position&& position) {
-  constexpr std::size_t kBlock = 4096;
-  std::vector<std::vector<Candidate>> found((cells_.size() + kBlock - 1) / kBlock);
-  parallel_for(
-      found.size(),
-      [&](std::size_t block) {
-        observer_.check_cancelled();
-        for (std::size_t i = block * kBlock; i < std::min(cells_.size(), (block + 1) * kBlock); ++i) {
-          const Cell& cell = cells_[i];
-          std::uint64_t hash = problem_.seed + (round << 32U) + static_cast<std::uint64_t>(cell.level);
-          for (const std::int32_t k : cell.index) hash = mix64(hash ^ static_cast<std::uint32_t>(k));
-          if (hash % n_groups != group) continue;
-          const Box<K> box = box_of(cell);
-          const Vec<K> x = position(cell, box, hash);
-          if (!problem_.bounds.contains(x)) continue;
-          const double f = spacing_at(x, cell.constant);
-          if (!problem_.admits(spheres_, balls_, x, f)) continue;
-          const int region = region_at(cell, x);
-          if (region >= 0) found[block].push_back({{x, f}, region, hash});
-        }
-      },
-      1);
-  std::vector<Candidate> candidates;
-  for (auto& part : found) {
-    candidates.insert(candidates.end(), part.begin(), part.end());
-    part = {};
+void ActiveCells<K>::try_in_cells(std::uint32_t n_groups, Position&& position) {
+  ++round_;
+  std::vector<std::uint64_t> hashes(cells_.size());
+  parallel_for(cells_.size(), [&](std::size_t i) { hashes[i] = hash_of(cells_[i]); });
+  std::vector<std::uint32_t> begin(n_groups + 1, 0), order(cells_.size());
+  for (const std::uint64_t h : hashes) ++begin[h % n_groups + 1];
+  for (std::uint32_t g = 0; g < n_groups; ++g) begin[g + 1] += begin[g];
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  for (std::uint32_t i = 0; i < cells_.size(); ++i) order[next[hashes[i] % n_groups]++] = i;
+  for (std::uint32_t g = 0; g < n_groups; ++g) {
+    observer_.check_cancelled();
+    std::vector<Candidate> candidates(begin[g + 1] - begin[g]);
+    parallel_for(
+        candidates.size(),
+        [&](std::size_t k) {
+          const std::uint32_t i = order[begin[g] + k];
+          candidates[k] = candidate_at(cells_[i], position(cells_[i], box_of(cells_[i]), hashes[i]), hashes[i]);
+        },
+        256);
+    std::erase_if(candidates, [](const Candidate& c) { return c.region < 0; });
+    join(candidates);
   }
-  join(candidates);
+}
+
+/// A word that depends on the round and the cell alone.
+template <int K>
+std::uint64_t ActiveCells<K>::hash_of(const Cell& cell) const {
+  std::uint64_t hash = problem_.seed + (round_ << 32U) + static_cast<std::uint64_t>(cell.level);
+  for (const std::int32_t k : cell.index) hash = mix64(hash ^ static_cast<std::uint32_t>(k));
+  return hash;
+}
+
+/// Its region is negative where x is not admissible.
+template <int K>
+auto ActiveCells<K>::candidate_at(const Cell& cell, const Vec<K>& x, std::uint64_t priority) const -> Candidate {
+  Candidate c{{x, 0}, kNoRegion, priority};
+  if (!problem_.bounds.contains(x)) return c;
+  c.sphere.radius = spacing_at(x, cell.constant);
+  if (problem_.admits(spheres_, balls_, x, c.sphere.radius)) c.region = region_at(cell, x);
+  return c;
 }
 
 template <int K>

@@ -117,7 +117,9 @@ class ActiveCells {
   [[nodiscard]] int region_at(const Cell& cell, const Vec<K>& x) const;
   void place_lattice(const std::vector<LatticePoint>& points);
   template <class Position>
-  void try_in_cells(std::uint64_t round, std::uint32_t group, std::uint32_t n_groups, Position&& position);
+  void try_in_cells(std::uint32_t n_groups, Position&& position);
+  [[nodiscard]] std::uint64_t hash_of(const Cell& cell) const;
+  [[nodiscard]] Candidate candidate_at(const Cell& cell, const Vec<K>& x, std::uint64_t priority) const;
   void join(const std::vector<Candidate>& candidates);
 
   const PackingProblem<K>& problem_;

@@ -25,13 +25,9 @@ class Completion {
 
   /// False if a protected face is missing.
   bool triangulate() {
-    vertex_of_.clear();
-    for (std::uint32_t i = 0; i < problem_.fixed.size(); ++i) vertex_of_.push_back(i);
-    for (std::uint32_t i = static_cast<std::uint32_t>(cells_.first_new()); i < cells_.spheres().size(); ++i)
-      vertex_of_.push_back(i);
-    std::vector<Vec<K>> points;
-    points.reserve(vertex_of_.size());
-    for (const std::uint32_t i : vertex_of_) points.push_back(cells_.spheres()[i].center);
+    const auto n = static_cast<std::uint32_t>(cells_.spheres().size() - problem_.foreign.size());
+    std::vector<Vec<K>> points(n);
+    for (std::uint32_t v = 0; v < n; ++v) points[v] = sphere(v).center;
     timed([&] {
       kernel_.insert(points);
       labels_ = label_regions<K>(kernel_, problem_.faces);
@@ -115,7 +111,10 @@ class Completion {
     triangulation_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 
-  [[nodiscard]] const Ball<K>& sphere(std::uint32_t vertex) const { return cells_.spheres()[vertex_of_[vertex]]; }
+  /// The sphere of a vertex of the kernel. Foreign spheres, between the fixed and the new ones, are no vertices.
+  [[nodiscard]] const Ball<K>& sphere(std::uint32_t vertex) const {
+    return cells_.spheres()[vertex < problem_.fixed.size() ? vertex : vertex + problem_.foreign.size()];
+  }
 
   /// The roomiest first: a packing that starts with its largest holes needs fewest spheres.
   void insert(const std::vector<Candidate>& candidates, std::uint64_t round) {
@@ -132,7 +131,6 @@ class Completion {
     std::vector<std::uint32_t> hints;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (joins[i] == 0) continue;
-      vertex_of_.push_back(static_cast<std::uint32_t>(cells_.spheres().size()));
       cells_.spheres().add(candidates[i].sphere);
       cells_.regions().push_back(candidates[i].region);
       points.push_back(candidates[i].sphere.center);
@@ -152,8 +150,7 @@ class Completion {
     for (const std::uint32_t slot : created_) {
       int region = Walls<K>::kOutside;
       for (const std::uint32_t v : kernel_.corners(slot))
-        if (v >= first_new_vertex && v != kInfiniteVertex)
-          region = cells_.regions()[vertex_of_[v] - cells_.first_new()];
+        if (v >= first_new_vertex && v != kInfiniteVertex) region = cells_.regions()[v - problem_.fixed.size()];
       labels_.region[slot] = region;
     }
   }
@@ -163,7 +160,6 @@ class Completion {
   const Observer& observer_;
   DelaunayKernel<K> kernel_;
   RegionLabels<K> labels_;
-  std::vector<std::uint32_t> vertex_of_;  ///< By vertex of the kernel: its sphere.
   std::vector<std::uint32_t> created_;
   double triangulation_s_ = 0;
 };

@@ -63,7 +63,12 @@ class SphereSet {
 
   /// True if the f-sphere (x, radius) overlaps a sphere of the set.
   [[nodiscard]] bool conflicts(const Vec<K>& x, double radius) const {
-    return visit_near(x, radius, [&](std::uint32_t id) { return overlap(spheres_[id], x, radius); });
+    const auto hit = [&](std::uint32_t id) { return overlap(spheres_[id], x, radius); };
+    // Mostly a sphere in the cell of x itself answers.
+    for (const Level& level : levels_)
+      for (std::uint32_t id = level.grid.find(x); id != BlockGrid<K>::kEnd; id = next_[id])
+        if (hit(id)) return true;
+    return visit_near(x, radius, hit);
   }
 
   /// True if one sphere q of the set leaves no room in the ball (m, r), for every f with f(m) and the Lipschitz
