@@ -91,7 +91,7 @@ ActiveCells<K>::ActiveCells(const PackingProblem<K>& problem, bool lattice, doub
 
   Obstacles all{spheres_.spheres(), problem.balls};
   Harvest harvest;
-  subdivide({{}, 0, problem.walls != nullptr ? kMixed : 0, 0}, all, {0, 0}, harvest);
+  subdivide({{}, 0, problem.walls != nullptr ? kMixed : 0}, all, {0, 0}, harvest);
   cells_ = std::move(harvest.cells);
   place_lattice(harvest.points);
 }
@@ -122,7 +122,7 @@ template <int K>
 auto ActiveCells<K>::children(const Cell& cell) -> std::array<Cell, std::size_t{1} << K> {
   std::array<Cell, std::size_t{1} << K> result;
   for (std::size_t c = 0; c < result.size(); ++c) {
-    result[c] = {cell.index, cell.level + 1, cell.region, cell.constant};
+    result[c] = {cell.index, cell.level + 1, cell.region, cell.constant, cell.least};
     for (std::size_t k = 0; k < K; ++k) result[c].index[k] = 2 * cell.index[k] + static_cast<std::int32_t>(c >> k & 1U);
   }
   return result;
@@ -173,10 +173,12 @@ void ActiveCells<K>::subdivide(const Cell& cell, Obstacles& obstacles, const Mar
   if (here.constant == 0)
     here.constant =
         problem_.spacing.constant_on({clamped(box.lo, problem_.bounds), clamped(box.hi, problem_.bounds)}).value_or(0);
-  const bool flat = here.constant > 0;
+  const bool is_constant = here.constant > 0;
   const Vec<K> m = box.center();
-  const double r = 0.5 * box.diagonal(), f = flat ? here.constant : spacing_near(m), b = problem_.spacing.lipschitz;
-  const double f_lo = flat ? f : f - b * r, f_hi = flat ? f : f + b * r;
+  const double r = 0.5 * box.diagonal(), f = is_constant ? here.constant : spacing_near(m),
+               b = problem_.spacing.lipschitz;
+  const double f_lo = is_constant ? f : f - b * r, f_hi = is_constant ? f : f + b * r;
+  here.least = f_lo;
   const Mark mine = obstacles.mark();
   obstacles.push_near(parent, box, f_hi);
   if (!is_covered(obstacles, mine, m, r, f)) {
@@ -190,12 +192,12 @@ void ActiveCells<K>::subdivide(const Cell& cell, Obstacles& obstacles, const Mar
 template <int K>
 void ActiveCells<K>::open(const Cell& cell, const Box<K>& box, const Range& f, Obstacles& obstacles, const Mark& mine,
                           Harvest& out) const {
+  const bool is_leaf = side(cell.level) <= 2 * f.center / std::sqrt(static_cast<double>(K)) || cell.level >= kMaxDepth;
+  const bool is_clear = !cell.is_mixed() && obstacles.mark() == mine;
   std::optional<int> cls;
   if constexpr (K > 1)
-    if (lattice_ && f.lo > 0) cls = lattice_->class_for(f.lo, f.hi);
-  const bool free = cls && !cell.is_mixed() && obstacles.mark() == mine &&
-                    !problem_.breaks_far_rule(box.center(), 2 * f.hi + 0.5 * box.diagonal());
-  const bool is_leaf = side(cell.level) <= 2 * f.center / std::sqrt(static_cast<double>(K)) || cell.level >= kMaxDepth;
+    if (lattice_ && f.lo > 0 && (is_leaf || is_clear)) cls = lattice_->class_for(f.lo, f.hi);
+  const bool free = cls && is_clear && !problem_.breaks_far_rule(box.center(), 2 * f.hi + 0.5 * box.diagonal());
   if constexpr (K > 1) {
     if (cls && (is_leaf || free))
       lattice_->visit(*cls, box, [&](const Vec<K>& x) {
@@ -262,8 +264,8 @@ void ActiveCells<K>::place_lattice(const std::vector<LatticePoint>& points) {
 }
 
 template <int K>
-void ActiveCells<K>::throw_darts() {
-  try_in_cells(kDartGroups, [&](const Cell& cell, const Box<K>& box, std::uint64_t hash) {
+void ActiveCells<K>::throw_darts(double least_yield) {
+  try_in_cells(kDartGroups, least_yield, [&](const Cell& cell, const Box<K>& box, std::uint64_t hash) {
     Vec<K> x;
     for (int k = 0; k < K; ++k) {
       hash = mix64(hash + 0x9e3779b97f4a7c15ULL);
@@ -275,14 +277,14 @@ void ActiveCells<K>::throw_darts() {
 
 template <int K>
 void ActiveCells<K>::try_centers() {
-  try_in_cells(1, [&](const Cell&, const Box<K>& box, std::uint64_t) { return box.center(); });
+  try_in_cells(1, 0, [&](const Cell&, const Box<K>& box, std::uint64_t) { return box.center(); });
 }
 
 /// Group by group: most positions of the later groups meet a sphere that is there already, which is cheaper than a
 /// rival.
 template <int K>
 template <class Position>
-void ActiveCells<K>::try_in_cells(std::uint32_t n_groups, Position&& position) {
+void ActiveCells<K>::try_in_cells(std::uint32_t n_groups, double least_yield, Position&& position) {
   ++round_;
   std::vector<std::uint64_t> hashes(cells_.size());
   parallel_for(cells_.size(), [&](std::size_t i) { hashes[i] = hash_of(cells_[i]); });
@@ -302,7 +304,9 @@ void ActiveCells<K>::try_in_cells(std::uint32_t n_groups, Position&& position) {
         },
         256);
     std::erase_if(candidates, [](const Candidate& c) { return c.region < 0; });
+    const std::size_t before = spheres_.size();
     join(candidates);
+    if (static_cast<double>(spheres_.size() - before) < least_yield * (begin[g + 1] - begin[g])) break;
   }
 }
 
@@ -319,6 +323,8 @@ template <int K>
 auto ActiveCells<K>::candidate_at(const Cell& cell, const Vec<K>& x, std::uint64_t priority) const -> Candidate {
   Candidate c{{x, 0}, kNoRegion, priority};
   if (!problem_.bounds.contains(x)) return c;
+  // Where f varies, its lower bound spares most evaluations.
+  if (cell.constant == 0 && cell.least > 0 && spheres_.conflicts(x, cell.least)) return c;
   c.sphere.radius = spacing_at(x, cell.constant);
   if (problem_.admits(spheres_, balls_, x, c.sphere.radius)) c.region = region_at(cell, x);
   return c;

@@ -26,7 +26,8 @@ class ActiveCells {
 
   /// One dart into each active cell, in random order: those that are admissible and do not conflict with an earlier one
   /// join.
-  void throw_darts();
+  /// Stops early, not having tried all cells, when less than `least_yield` of the darts join.
+  void throw_darts(double least_yield = 0);
   /// The same with the centers of the cells.
   void try_centers();
   /// Splits every active cell and drops the children that are covered or outside.
@@ -52,6 +53,7 @@ class ActiveCells {
     std::int32_t level;
     std::int32_t region;  ///< kMixed if a wall may pass through.
     double constant = 0;  ///< The value of f where the cell is within the bounds, if it is constant there; else 0.
+    double least = 0;     ///< A lower bound of f in the cell.
     [[nodiscard]] bool is_mixed() const { return region == kMixed; }
   };
   /// A sphere that would like to join.
@@ -117,7 +119,7 @@ class ActiveCells {
   [[nodiscard]] int region_at(const Cell& cell, const Vec<K>& x) const;
   void place_lattice(const std::vector<LatticePoint>& points);
   template <class Position>
-  void try_in_cells(std::uint32_t n_groups, Position&& position);
+  void try_in_cells(std::uint32_t n_groups, double least_yield, Position&& position);
   [[nodiscard]] std::uint64_t hash_of(const Cell& cell) const;
   [[nodiscard]] Candidate candidate_at(const Cell& cell, const Vec<K>& x, std::uint64_t priority) const;
   void join(const std::vector<Candidate>& candidates);
