@@ -98,6 +98,8 @@ class Completion {
     if (!is_finite(c) || !problem_.bounds.contains(c)) return;
     double f = problem_.spacing.at(c);
     if (radius < f + largest) return;
+    // The ball around c is empty and large: what blocks c is mostly a protecting ball.
+    if (cells_.balls().forbids(c)) return;
     if (problem_.jitter > 0) {
       std::uint64_t h = hash_words(problem_.seed, corners[0], corners[1], corners[2]);
       for (int k = 0; k < K; ++k) c[k] += problem_.jitter * f * (2 * to_unit(h = mix64(h)) - 1);
