@@ -49,15 +49,6 @@ WallLocator<3> locator_of(const Domain<3>& domain) {
   return WallLocator<3>(std::move(walls));
 }
 
-/// The protected simplices that bound regions: subsegments in the plane, subfacets in space.
-template <int D>
-const auto& wall_simplices(const Packing<D>& packing) {
-  if constexpr (D == 2)
-    return packing.subsegments;
-  else
-    return packing.subfacets;
-}
-
 template <int D>
 PackingProblem<D> interior_problem(const Domain<D>& domain, const Spacing<D>& spacing,
                                    const BoundaryPacking<D>& boundary, const WallLocator<D>& walls,
@@ -113,14 +104,6 @@ void check_limits(double estimate, const PackingOptions& options) {
 }
 
 }  // namespace
-
-template <int D>
-double estimate_sphere_count(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options) {
-  // Vertices per unit of the integral of f^-D, measured on uniform packings (docs/theory/packing.md).
-  const bool lattice = options.form == PackingForm::kVoronoi && options.interior == Interior::kLattice;
-  const double density = D == 3 ? (lattice ? 0.05 : 0.1) : (lattice ? 0.11 : 0.18);
-  return static_cast<double>(domain.points.size()) + density * spacing.integral(domain);
-}
 
 template <int D>
 Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options, Observer& observer) {
@@ -186,8 +169,6 @@ std::string find_packing_fault(const Packing<D>& packing, const Domain<D>& domai
   return {};
 }
 
-template double estimate_sphere_count(const Domain<2>&, const Spacing<2>&, const PackingOptions&);
-template double estimate_sphere_count(const Domain<3>&, const Spacing<3>&, const PackingOptions&);
 template Packing<2> pack(const Domain<2>&, const Spacing<2>&, const PackingOptions&, Observer&);
 template Packing<3> pack(const Domain<3>&, const Spacing<3>&, const PackingOptions&, Observer&);
 template std::string find_packing_fault(const Packing<2>&, const Domain<2>&, const Spacing<2>&);
