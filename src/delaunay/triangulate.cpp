@@ -12,15 +12,6 @@ namespace voropack {
 
 namespace {
 
-/// The protected simplices that bound regions: subsegments in the plane, subfacets in space.
-template <int D>
-const auto& wall_simplices(const Packing<D>& packing) {
-  if constexpr (D == 2)
-    return packing.subsegments;
-  else
-    return packing.subfacets;
-}
-
 [[noreturn]] void throw_not_conforming(std::size_t n) {
   throw InternalError(Fault{.id = "delaunay.not_conforming",
                             .message = fmt::format("{} protected simplices are not in the Delaunay triangulation", n),

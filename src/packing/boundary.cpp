@@ -64,32 +64,50 @@ class BoundaryPacker {
  public:
   BoundaryPacker(const Domain<D>& domain, const Spacing<D>& spacing, Protection<D>& protection,
                  const PackingOptions& options, const Observer& observer)
-      : domain_(domain), spacing_(spacing), protection_(protection), options_(options), observer_(observer) {}
+      : domain_(domain),
+        given_(spacing),
+        spacing_(spacing),
+        protection_(protection),
+        options_(options),
+        observer_(observer) {}
 
   BoundaryPacking<D> run() {
     protection_.begin_round();
     add_points();
     add_segments();
+    settle();
     find_intruders(0, 0);
     if constexpr (D == 3) {
       if (!is_well()) return std::move(result_);
       const std::size_t n_spheres = packing().center.size(), n_balls = result_.balls.size();
       starts_.resize(domain_.facet_frame.size());
       add_fans();
+      settle();
       add_books();
+      settle();
       add_facets();
       if (result_.faults.empty()) find_intruders(n_spheres, n_balls);
     }
     if (is_well()) find_overlaps();
-    for (const SphereId s : ids(packing().center))
-      if (packing().radius[s] < spacing_(packing().center[s]) * (1 - kPackingSlack))
-        result_.tied.push_back({packing().center[s], 0.0, packing().radius[s]});
     return std::move(result_);
   }
 
  private:
   Packing<D>& packing() { return result_.packing; }
   [[nodiscard]] bool is_well() const { return result_.faults.empty() && !result_.protects_more; }
+
+  /// Where ties made a sphere smaller than f, f itself becomes smaller: later steps rely on radii that are values of
+  /// one Lipschitz function.
+  void settle() {
+    const std::size_t n_tied = result_.tied.size();
+    for (const SphereId s : ids(packing().center))
+      if (packing().radius[s] < spacing_(packing().center[s]) * (1 - kPackingSlack))
+        result_.tied.push_back({packing().center[s], 0.0, packing().radius[s]});
+    if (result_.tied.size() == n_tied) return;
+    spacing_ = given_.with_caps(result_.tied);
+    parallel_for(packing().center.size(),
+                 [&](std::size_t i) { packing().radius[SphereId(i)] = spacing_(packing().center[SphereId(i)]); });
+  }
 
   SphereId add(const Vec<D>& center, double radius, PolytopeId carrier) {
     packing().center.push_back(center);
@@ -385,7 +403,8 @@ class BoundaryPacker {
   }
 
   const Domain<D>& domain_;
-  const Spacing<D>& spacing_;
+  const Spacing<D>& given_;
+  Spacing<D> spacing_;  ///< With what ties ask for.
   Protection<D>& protection_;
   const PackingOptions& options_;
   const Observer& observer_;

@@ -50,15 +50,6 @@ WallLocator<3> locator_of(const Domain<3>& domain) {
   return WallLocator<3>(std::move(walls));
 }
 
-/// The protected simplices that bound regions: subsegments in the plane, subfacets in space.
-template <int D>
-const auto& wall_simplices(const Packing<D>& packing) {
-  if constexpr (D == 2)
-    return packing.subsegments;
-  else
-    return packing.subfacets;
-}
-
 template <int D>
 PackingProblem<D> interior_problem(const Domain<D>& domain, const Spacing<D>& spacing,
                                    const BoundaryPacking<D>& boundary, const WallLocator<D>& walls,
@@ -139,14 +130,6 @@ void check_limits(double estimate, const PackingOptions& options) {
 }  // namespace
 
 template <int D>
-double estimate_sphere_count(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options) {
-  // Vertices per unit of the integral of f^-D, measured on uniform packings (docs/theory/packing.md).
-  const bool lattice = options.form == PackingForm::kVoronoi && options.interior == Interior::kLattice;
-  const double density = D == 3 ? (lattice ? 0.05 : 0.1) : (lattice ? 0.11 : 0.18);
-  return static_cast<double>(domain.points.size()) + density * spacing.integral(domain);
-}
-
-template <int D>
 Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options, Observer& observer) {
   observer.begin_stage("packing");
   check_limits<D>(estimate_sphere_count(domain, spacing, options), options);
@@ -158,12 +141,9 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
     const Spacing<D> f = caps.empty() ? spacing : spacing.with_caps(caps);
     BoundaryPacking<D> boundary = pack_boundary(domain, f, protection, options, observer);
     if (boundary.faults.empty() && !boundary.protects_more) {
-      // What ties make smaller than f is a cap on f, so that all radii are values of one function.
       std::vector<SpacingCap<D>> all_caps = caps;
       all_caps.insert(all_caps.end(), boundary.tied.begin(), boundary.tied.end());
       const Spacing<D> tied = all_caps.empty() ? spacing : spacing.with_caps(all_caps);
-      for (const SphereId s : ids(boundary.packing.center))
-        boundary.packing.radius[s] = tied(boundary.packing.center[s]);
       const PackingProblem<D> problem = interior_problem(domain, tied, boundary, walls, options);
       PackedInterior<D> interior = pack_interior(problem, false, observer);
       if (interior.broken_faces.empty()) {
@@ -219,8 +199,6 @@ std::string find_packing_fault(const Packing<D>& packing, const Domain<D>& domai
   return {};
 }
 
-template double estimate_sphere_count(const Domain<2>&, const Spacing<2>&, const PackingOptions&);
-template double estimate_sphere_count(const Domain<3>&, const Spacing<3>&, const PackingOptions&);
 template Packing<2> pack(const Domain<2>&, const Spacing<2>&, const PackingOptions&, Observer&);
 template Packing<3> pack(const Domain<3>&, const Spacing<3>&, const PackingOptions&, Observer&);
 template std::string find_packing_fault(const Packing<2>&, const Domain<2>&, const Spacing<2>&);

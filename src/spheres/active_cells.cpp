@@ -14,9 +14,9 @@ namespace {
 
 /// Down to this depth of the tree subtrees are worth a task of their own.
 constexpr int kParallelDepth = 3;
-/// Darts are thrown in this many groups (measured: fewer make the conflict graph dense, more pass over the cells too
-/// often).
-constexpr std::uint32_t kDartGroups = 4;
+/// Darts are thrown in this many groups (measured: fewer make the conflict graph dense, more give the threads little to
+/// do at a time).
+constexpr std::uint32_t kDartGroups = 16;
 /// A cell this much finer than the bounds means that the spacing function is broken.
 constexpr int kMaxDepth = 28;
 
@@ -49,6 +49,20 @@ Vec<K> clamped(Vec<K> x, const Box<K>& box) {
   return x;
 }
 
+/// Appends the balls of `stack` from `begin` on that `is_near` to it again.
+template <int K, class IsNear>
+void push_again(std::vector<Ball<K>>& stack, std::size_t begin, IsNear&& is_near) {
+  const std::size_t end = stack.size();
+  stack.resize(2 * end - begin);
+  // Written whether near or not, and counted if near: nothing branches.
+  std::size_t n = end;
+  for (std::size_t i = begin; i < end; ++i) {
+    stack[n] = stack[i];
+    n += is_near(stack[i]) ? 1 : 0;
+  }
+  stack.resize(n);
+}
+
 }  // namespace
 
 template <int K>
@@ -75,18 +89,16 @@ ActiveCells<K>::ActiveCells(const PackingProblem<K>& problem, bool lattice, doub
   for (const Ball<K>& s : problem.foreign) spheres_.add(s);
   for (const Ball<K>& b : problem.balls) balls_.add(b);
 
-  Obstacles all;
-  for (std::uint32_t i = 0; i < spheres_.size(); ++i) all.spheres.push_back(i);
-  for (std::uint32_t i = 0; i < balls_.size(); ++i) all.balls.push_back(i);
+  Obstacles all{spheres_.spheres(), problem.balls};
   Harvest harvest;
-  subdivide({{}, 0, problem.walls != nullptr ? kMixed : 0}, all, std::nullopt, harvest);
+  subdivide({{}, 0, problem.walls != nullptr ? kMixed : 0}, all, {0, 0}, harvest);
   cells_ = std::move(harvest.cells);
   place_lattice(harvest.points);
 }
 
 template <int K>
 double ActiveCells<K>::side(int level) const {
-  return std::ldexp(side_, -level);
+  return side_ / static_cast<double>(std::int64_t{1} << level);  // Exact, as ldexp, without the call.
 }
 
 template <int K>
@@ -110,7 +122,7 @@ template <int K>
 auto ActiveCells<K>::children(const Cell& cell) -> std::array<Cell, std::size_t{1} << K> {
   std::array<Cell, std::size_t{1} << K> result;
   for (std::size_t c = 0; c < result.size(); ++c) {
-    result[c] = {cell.index, cell.level + 1, cell.region};
+    result[c] = {cell.index, cell.level + 1, cell.region, cell.constant, cell.least};
     for (std::size_t k = 0; k < K; ++k) result[c].index[k] = 2 * cell.index[k] + static_cast<std::int32_t>(c >> k & 1U);
   }
   return result;
@@ -124,78 +136,91 @@ void ActiveCells<K>::locate(Cell& cell, const Box<K>& box) const {
 }
 
 template <int K>
-typename ActiveCells<K>::Obstacles ActiveCells<K>::near(const Obstacles& from, const Box<K>& box, double f_max) const {
-  Obstacles result;
-  for (const std::uint32_t i : from.spheres) {
-    const double reach = spheres_[i].radius + f_max;
-    if (box.distance_sq(spheres_[i].center) < reach * reach) result.spheres.push_back(i);
-  }
-  for (const std::uint32_t i : from.balls) {
-    const double reach = balls_[i].radius * (1 + kBallMargin);
-    if (box.distance_sq(balls_[i].center) <= reach * reach) result.balls.push_back(i);
-  }
-  return result;
+void ActiveCells<K>::Obstacles::push_near(const Mark& parent, const Box<K>& box, double f_max) {
+  push_again(spheres, parent.spheres, [&](const Ball<K>& s) {
+    const double reach = s.radius + f_max;
+    return box.distance_sq(s.center) < reach * reach;
+  });
+  push_again(balls, parent.balls, [&](const Ball<K>& b) {
+    const double reach = b.radius * (1 + kBallMargin);
+    return box.distance_sq(b.center) <= reach * reach;
+  });
 }
 
-/// As SphereSet::covers and BallSet::covers, on the obstacles that are known to be near.
+/// As SphereSet::covers and BallSet::covers, on the obstacles from `begin` on.
 template <int K>
-bool ActiveCells<K>::is_covered(const Obstacles& near, const Vec<K>& m, double r, double f) const {
-  for (const std::uint32_t i : near.spheres) {
-    const double reach = spheres_[i].radius + f - (1 + problem_.spacing.lipschitz) * r;
-    if (reach > 0 && distance_sq(m, spheres_[i].center) < reach * reach) return true;
+bool ActiveCells<K>::is_covered(const Obstacles& obstacles, const Mark& begin, const Vec<K>& m, double r,
+                                double f) const {
+  for (std::size_t i = begin.spheres; i < obstacles.spheres.size(); ++i) {
+    const Ball<K>& s = obstacles.spheres[i];
+    const double reach = s.radius + f - (1 + problem_.spacing.lipschitz) * r;
+    if (reach > 0 && distance_sq(m, s.center) < reach * reach) return true;
   }
-  for (const std::uint32_t i : near.balls) {
-    const double room = balls_[i].radius - r;
-    if (room > 0 && distance_sq(m, balls_[i].center) < room * room) return true;
+  for (std::size_t i = begin.balls; i < obstacles.balls.size(); ++i) {
+    const Ball<K>& b = obstacles.balls[i];
+    const double room = b.radius - r;
+    if (room > 0 && distance_sq(m, b.center) < room * room) return true;
   }
   return false;
 }
 
 template <int K>
-void ActiveCells<K>::subdivide(const Cell& cell, const Obstacles& parent, std::optional<double> constant,
-                               Harvest& out) const {
+void ActiveCells<K>::subdivide(const Cell& cell, Obstacles& obstacles, const Mark& parent, Harvest& out) const {
   const Box<K> box = box_of(cell);
   if (!box.overlaps(problem_.bounds)) return;
   Cell here = cell;
-  locate(here, box);
-  if (!here.is_mixed() && here.region < 0) return;
   // What a cell has outside the bounds is outside every region.
-  if (!constant)
-    constant = problem_.spacing.constant_on({clamped(box.lo, problem_.bounds), clamped(box.hi, problem_.bounds)});
+  if (here.constant == 0)
+    here.constant =
+        problem_.spacing.constant_on({clamped(box.lo, problem_.bounds), clamped(box.hi, problem_.bounds)}).value_or(0);
+  const bool is_constant = here.constant > 0;
   const Vec<K> m = box.center();
-  const double r = 0.5 * box.diagonal(), f = constant ? *constant : spacing_near(m), b = problem_.spacing.lipschitz;
-  const double f_lo = constant ? *constant : f - b * r, f_hi = constant ? *constant : f + b * r;
-  const Obstacles obstacles = near(parent, box, f_hi);
-  if (is_covered(obstacles, m, r, f)) return;
+  const double r = 0.5 * box.diagonal(), f = is_constant ? here.constant : spacing_near(m),
+               b = problem_.spacing.lipschitz;
+  const double f_lo = is_constant ? f : f - b * r, f_hi = is_constant ? f : f + b * r;
+  here.least = f_lo;
+  const Mark mine = obstacles.mark();
+  obstacles.push_near(parent, box, f_hi);
+  if (!is_covered(obstacles, mine, m, r, f)) {
+    locate(here, box);
+    if (here.is_mixed() || here.region >= 0) open(here, box, {f, f_lo, f_hi}, obstacles, mine, out);
+  }
+  obstacles.pop_to(mine);
+}
 
+/// Harvests a cell that is not covered and not outside, or its children.
+template <int K>
+void ActiveCells<K>::open(const Cell& cell, const Box<K>& box, const Range& f, Obstacles& obstacles, const Mark& mine,
+                          Harvest& out) const {
+  const bool is_leaf = side(cell.level) <= 2 * f.center / std::sqrt(static_cast<double>(K)) || cell.level >= kMaxDepth;
+  const bool is_clear = !cell.is_mixed() && obstacles.mark() == mine;
   std::optional<int> cls;
   if constexpr (K > 1)
-    if (lattice_ && f_lo > 0) cls = lattice_->class_for(f_lo, f_hi);
-  const double width = side(here.level);
-  const bool free = cls && !here.is_mixed() && obstacles.spheres.empty() && obstacles.balls.empty() &&
-                    !problem_.breaks_far_rule(m, 2 * f_hi + r);
-  const bool is_leaf = width <= 2 * f / std::sqrt(static_cast<double>(K)) || here.level >= kMaxDepth;
+    if (lattice_ && f.lo > 0 && (is_leaf || is_clear)) cls = lattice_->class_for(f.lo, f.hi);
+  const bool free = cls && is_clear && !problem_.breaks_far_rule(box.center(), 2 * f.hi + 0.5 * box.diagonal());
   if constexpr (K > 1) {
     if (cls && (is_leaf || free))
       lattice_->visit(*cls, box, [&](const Vec<K>& x) {
-        out.points.push_back({x, *cls, here.is_mixed() ? kNoRegion : here.region, free});
+        out.points.push_back({x, *cls, cell.is_mixed() ? kNoRegion : cell.region, free, cell.constant});
       });
     // Where an obstacle keeps a lattice point away from a free cell, the circumcenters fill the gap.
     if (free) return;
   }
   if (is_leaf) {
-    out.cells.push_back(here);
+    out.cells.push_back(cell);
     return;
   }
-  const auto parts = children(here);
-  if (here.level >= kParallelDepth) {
-    for (const Cell& child : parts) subdivide(child, obstacles, constant, out);
+  const auto parts = children(cell);
+  if (cell.level >= kParallelDepth) {
+    for (const Cell& child : parts) subdivide(child, obstacles, mine, out);
     return;
   }
   observer_.check_cancelled();
   std::vector<Harvest> harvests(parts.size());
-  tbb::parallel_for(std::size_t{0}, parts.size(),
-                    [&](std::size_t i) { subdivide(parts[i], obstacles, constant, harvests[i]); });
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+    Obstacles own = obstacles.from(mine);
+    subdivide(parts[i], own, {0, 0}, harvests[i]);
+  });
   for (Harvest& h : harvests) {
     out.cells.insert(out.cells.end(), h.cells.begin(), h.cells.end());
     out.points.insert(out.points.end(), h.points.begin(), h.points.end());
@@ -224,7 +249,7 @@ void ActiveCells<K>::place_lattice(const std::vector<LatticePoint>& points) {
     parallel_for(members.size(), [&](std::size_t i) {
       if constexpr (K > 1) {
         const LatticePoint& p = points[members[i]];
-        balls[i] = {p.position, problem_.spacing.at(p.position)};
+        balls[i] = {p.position, spacing_at(p.position, p.constant)};
         const bool admitted =
             p.free && cls == 0 ? true : problem_.admits(spheres_, balls_, p.position, balls[i].radius);
         if (admitted) regions[i] = p.region != kNoRegion ? p.region : problem_.region_of(p.position);
@@ -239,56 +264,70 @@ void ActiveCells<K>::place_lattice(const std::vector<LatticePoint>& points) {
 }
 
 template <int K>
-void ActiveCells<K>::throw_darts() {
-  const std::uint64_t round = ++round_;
-  // Group by group: most darts of the later groups meet a sphere that is there already, which is cheaper than a rival.
-  for (std::uint32_t group = 0; group < kDartGroups; ++group)
-    try_in_cells(round, group, kDartGroups, [&](const Cell& cell, const Box<K>& box, std::uint64_t hash) {
-      Vec<K> x;
-      for (int k = 0; k < K; ++k) {
-        hash = mix64(hash + 0x9e3779b97f4a7c15ULL);
-        x[k] = box.lo[k] + to_unit(hash) * side(cell.level);
-      }
-      return x;
-    });
+void ActiveCells<K>::throw_darts(double least_yield) {
+  try_in_cells(kDartGroups, least_yield, [&](const Cell& cell, const Box<K>& box, std::uint64_t hash) {
+    Vec<K> x;
+    for (int k = 0; k < K; ++k) {
+      hash = mix64(hash + 0x9e3779b97f4a7c15ULL);
+      x[k] = box.lo[k] + to_unit(hash) * side(cell.level);
+    }
+    return x;
+  });
 }
 
 template <int K>
 void ActiveCells<K>::try_centers() {
-  try_in_cells(++round_, 0, 1, [&](const Cell&, const Box<K>& box, std::uint64_t) { return box.center(); });
+  try_in_cells(1, 0, [&](const Cell&, const Box<K>& box, std::uint64_t) { return box.center(); });
 }
 
+/// Group by group: most positions of the later groups meet a sphere that is there already, which is cheaper than a
+/// rival.
 template <int K>
 template <class Position>
-void ActiveCells<K>::try_in_cells(std::uint64_t round, std::uint32_t group, std::uint32_t n_groups,
-                                  Position&& position) {
-  constexpr std::size_t kBlock = 4096;
-  std::vector<std::vector<Candidate>> found((cells_.size() + kBlock - 1) / kBlock);
-  parallel_for(
-      found.size(),
-      [&](std::size_t block) {
-        observer_.check_cancelled();
-        for (std::size_t i = block * kBlock; i < std::min(cells_.size(), (block + 1) * kBlock); ++i) {
-          const Cell& cell = cells_[i];
-          std::uint64_t hash = problem_.seed + (round << 32U) + static_cast<std::uint64_t>(cell.level);
-          for (const std::int32_t k : cell.index) hash = mix64(hash ^ static_cast<std::uint32_t>(k));
-          if (hash % n_groups != group) continue;
-          const Box<K> box = box_of(cell);
-          const Vec<K> x = position(cell, box, hash);
-          if (!problem_.bounds.contains(x)) continue;
-          const double f = problem_.spacing.at(x);
-          if (!problem_.admits(spheres_, balls_, x, f)) continue;
-          const int region = region_at(cell, x);
-          if (region >= 0) found[block].push_back({{x, f}, region, hash});
-        }
-      },
-      1);
-  std::vector<Candidate> candidates;
-  for (auto& part : found) {
-    candidates.insert(candidates.end(), part.begin(), part.end());
-    part = {};
+void ActiveCells<K>::try_in_cells(std::uint32_t n_groups, double least_yield, Position&& position) {
+  ++round_;
+  std::vector<std::uint64_t> hashes(cells_.size());
+  parallel_for(cells_.size(), [&](std::size_t i) { hashes[i] = hash_of(cells_[i]); });
+  std::vector<std::uint32_t> begin(n_groups + 1, 0), order(cells_.size());
+  for (const std::uint64_t h : hashes) ++begin[h % n_groups + 1];
+  for (std::uint32_t g = 0; g < n_groups; ++g) begin[g + 1] += begin[g];
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  for (std::uint32_t i = 0; i < cells_.size(); ++i) order[next[hashes[i] % n_groups]++] = i;
+  for (std::uint32_t g = 0; g < n_groups; ++g) {
+    observer_.check_cancelled();
+    std::vector<Candidate> candidates(begin[g + 1] - begin[g]);
+    parallel_for(
+        candidates.size(),
+        [&](std::size_t k) {
+          const std::uint32_t i = order[begin[g] + k];
+          candidates[k] = candidate_at(cells_[i], position(cells_[i], box_of(cells_[i]), hashes[i]), hashes[i]);
+        },
+        256);
+    std::erase_if(candidates, [](const Candidate& c) { return c.region < 0; });
+    const std::size_t before = spheres_.size();
+    join(candidates);
+    if (static_cast<double>(spheres_.size() - before) < least_yield * (begin[g + 1] - begin[g])) break;
   }
-  join(candidates);
+}
+
+/// A word that depends on the round and the cell alone.
+template <int K>
+std::uint64_t ActiveCells<K>::hash_of(const Cell& cell) const {
+  std::uint64_t hash = problem_.seed + (round_ << 32U) + static_cast<std::uint64_t>(cell.level);
+  for (const std::int32_t k : cell.index) hash = mix64(hash ^ static_cast<std::uint32_t>(k));
+  return hash;
+}
+
+/// Its region is negative where x is not admissible.
+template <int K>
+auto ActiveCells<K>::candidate_at(const Cell& cell, const Vec<K>& x, std::uint64_t priority) const -> Candidate {
+  Candidate c{{x, 0}, kNoRegion, priority};
+  if (!problem_.bounds.contains(x)) return c;
+  // Where f varies, its lower bound spares most evaluations.
+  if (cell.constant == 0 && cell.least > 0 && spheres_.conflicts(x, cell.least)) return c;
+  c.sphere.radius = spacing_at(x, cell.constant);
+  if (problem_.admits(spheres_, balls_, x, c.sphere.radius)) c.region = region_at(cell, x);
+  return c;
 }
 
 template <int K>
@@ -311,7 +350,8 @@ template <int K>
 bool ActiveCells<K>::is_covered(const Cell& cell) const {
   const Box<K> box = box_of(cell);
   const Vec<K> m = box.center();
-  const double r = 0.5 * box.diagonal(), f = spacing_near(m), b = problem_.spacing.lipschitz;
+  const double r = 0.5 * box.diagonal(), b = problem_.spacing.lipschitz;
+  const double f = cell.constant > 0 ? cell.constant : spacing_near(m);
   if (spheres_.covers(m, r, f, b) || balls_.covers(m, r)) return true;
   return problem_.breaks_far_rule(m, 2 * (f - b * r) - r);  // Then every point of the cell is nearer than 2 f.
 }

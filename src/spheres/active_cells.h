@@ -26,7 +26,8 @@ class ActiveCells {
 
   /// One dart into each active cell, in random order: those that are admissible and do not conflict with an earlier one
   /// join.
-  void throw_darts();
+  /// Stops early, not having tried all cells, when less than `least_yield` of the darts join.
+  void throw_darts(double least_yield = 0);
   /// The same with the centers of the cells.
   void try_centers();
   /// Splits every active cell and drops the children that are covered or outside.
@@ -51,6 +52,8 @@ class ActiveCells {
     std::array<std::int32_t, K> index;
     std::int32_t level;
     std::int32_t region;  ///< kMixed if a wall may pass through.
+    double constant = 0;  ///< The value of f where the cell is within the bounds, if it is constant there; else 0.
+    double least = 0;     ///< A lower bound of f in the cell.
     [[nodiscard]] bool is_mixed() const { return region == kMixed; }
   };
   /// A sphere that would like to join.
@@ -62,13 +65,35 @@ class ActiveCells {
   struct LatticePoint {
     Vec<K> position;
     int cls;
-    int region;  ///< kNoRegion if not known.
-    bool free;   ///< Nothing but points of other classes can be in the way.
+    int region;       ///< kNoRegion if not known.
+    bool free;        ///< Nothing but points of other classes can be in the way.
+    double constant;  ///< As in Cell.
   };
   ActiveCells(const PackingProblem<K>& problem, bool lattice, double largest, const Observer& observer);
 
+  /// A place in Obstacles.
+  struct Mark {
+    std::size_t spheres, balls;
+    bool operator==(const Mark&) const = default;
+  };
+  /// Two stacks of what is in the way: behind that of a cell comes, again, what matters for its child.
   struct Obstacles {
-    std::vector<std::uint32_t> spheres, balls;
+    std::vector<Ball<K>> spheres, balls;
+    [[nodiscard]] Mark mark() const { return {spheres.size(), balls.size()}; }
+    /// Pushes those from `parent` on that can matter in the box, where f <= f_max.
+    void push_near(const Mark& parent, const Box<K>& box, double f_max);
+    void pop_to(const Mark& m) {
+      spheres.resize(m.spheres);
+      balls.resize(m.balls);
+    }
+    [[nodiscard]] Obstacles from(const Mark& m) const {
+      return {{spheres.begin() + static_cast<std::ptrdiff_t>(m.spheres), spheres.end()},
+              {balls.begin() + static_cast<std::ptrdiff_t>(m.balls), balls.end()}};
+    }
+  };
+  /// f at the center of a cell, and bounds of it.
+  struct Range {
+    double center, lo, hi;
   };
   struct Harvest {
     std::vector<Cell> cells;
@@ -79,16 +104,24 @@ class ActiveCells {
   [[nodiscard]] double side(int level) const;
   /// f at the point of the bounds nearest to x: cells stick out of the bounds.
   [[nodiscard]] double spacing_near(const Vec<K>& x) const;
-  [[nodiscard]] Obstacles near(const Obstacles& from, const Box<K>& box, double f_max) const;
+  /// f(x), where `constant` is its value if known, else 0.
+  [[nodiscard]] double spacing_at(const Vec<K>& x, double constant) const {
+    return constant > 0 ? constant : problem_.spacing.at(x);
+  }
   [[nodiscard]] static std::array<Cell, std::size_t{1} << K> children(const Cell& cell);
   void locate(Cell& cell, const Box<K>& box) const;
-  void subdivide(const Cell& cell, const Obstacles& parent, std::optional<double> constant, Harvest& out) const;
-  [[nodiscard]] bool is_covered(const Obstacles& near, const Vec<K>& m, double r, double f) const;
+  void subdivide(const Cell& cell, Obstacles& obstacles, const Mark& parent, Harvest& out) const;
+  void open(const Cell& cell, const Box<K>& box, const Range& f, Obstacles& obstacles, const Mark& mine,
+            Harvest& out) const;
+  [[nodiscard]] bool is_covered(const Obstacles& obstacles, const Mark& begin, const Vec<K>& m, double r,
+                                double f) const;
   [[nodiscard]] bool is_covered(const Cell& cell) const;
   [[nodiscard]] int region_at(const Cell& cell, const Vec<K>& x) const;
   void place_lattice(const std::vector<LatticePoint>& points);
   template <class Position>
-  void try_in_cells(std::uint64_t round, std::uint32_t group, std::uint32_t n_groups, Position&& position);
+  void try_in_cells(std::uint32_t n_groups, double least_yield, Position&& position);
+  [[nodiscard]] std::uint64_t hash_of(const Cell& cell) const;
+  [[nodiscard]] Candidate candidate_at(const Cell& cell, const Vec<K>& x, std::uint64_t priority) const;
   void join(const std::vector<Candidate>& candidates);
 
   const PackingProblem<K>& problem_;

@@ -24,24 +24,15 @@ class BlockGrid {
   [[nodiscard]] double side() const { return side_; }
   [[nodiscard]] Index index(const Vec<K>& x) const {
     Index i;
-    for (int k = 0; k < K; ++k)
-      i[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(std::floor((x[k] - origin_[k]) * inverse_));
+    for (int k = 0; k < K; ++k) i[static_cast<std::size_t>(k)] = floor_of((x[k] - origin_[k]) * inverse_);
     return i;
   }
 
   /// The first item of the list of a cell, to be changed by the caller, who keeps the links.
   std::uint32_t& head(const Index& cell) {
     const Index block = block_of(cell);
-    std::size_t slot = find_slot(block);
-    if (slots_[slot].block == kEnd) {
-      if (2 * (n_blocks_ + 1) > slots_.size()) {
-        rehash(2 * slots_.size());
-        slot = find_slot(block);
-      }
-      slots_[slot] = {block, static_cast<std::uint32_t>(n_blocks_++)};
-      heads_.resize(n_blocks_ * kCellsPerBlock, kEnd);
-    }
-    return heads_[std::size_t{slots_[slot].block} * kCellsPerBlock + offset_in_block(cell)];
+    if (last_.block == kEnd || !equal(last_.key, block)) last_ = {block, find_or_add(block)};
+    return heads_[std::size_t{last_.block} * kCellsPerBlock + offset_in_block(cell)];
   }
 
   /// Calls visit(head) for every non-empty cell that meets the box; stops when visit returns true, and returns whether
@@ -69,6 +60,28 @@ class BlockGrid {
     std::uint32_t block = kEnd;
   };
 
+  /// Without the call of the library's floor that plain x86-64 would need.
+  static std::int32_t floor_of(double t) {
+    const auto i = static_cast<std::int32_t>(t);
+    return i - (t < i ? 1 : 0);
+  }
+  static bool equal(const Index& a, const Index& b) {
+    bool same = true;
+    for (std::size_t k = 0; k < K; ++k) same = same && a[k] == b[k];
+    return same;
+  }
+  std::uint32_t find_or_add(const Index& block) {
+    std::size_t slot = find_slot(block);
+    if (slots_[slot].block == kEnd) {
+      if (2 * (n_blocks_ + 1) > slots_.size()) {
+        rehash(2 * slots_.size());
+        slot = find_slot(block);
+      }
+      slots_[slot] = {block, static_cast<std::uint32_t>(n_blocks_++)};
+      heads_.resize(n_blocks_ * kCellsPerBlock, kEnd);
+    }
+    return slots_[slot].block;
+  }
   static Index block_of(const Index& cell) {
     Index b;
     for (std::size_t k = 0; k < K; ++k) b[k] = cell[k] >> kBits;
@@ -84,7 +97,7 @@ class BlockGrid {
     std::uint64_t h = 0;
     for (std::size_t k = 0; k < K; ++k) h = h * 0x9e3779b97f4a7c15ULL + static_cast<std::uint32_t>(block[k]);
     std::size_t slot = mix64(h) & (slots_.size() - 1);
-    while (slots_[slot].block != kEnd && slots_[slot].key != block) slot = (slot + 1) & (slots_.size() - 1);
+    while (slots_[slot].block != kEnd && !equal(slots_[slot].key, block)) slot = (slot + 1) & (slots_.size() - 1);
     return slot;
   }
   void rehash(std::size_t n) {
@@ -134,6 +147,7 @@ class BlockGrid {
   std::vector<Slot> slots_;
   std::vector<std::uint32_t> heads_;
   std::size_t n_blocks_ = 0;
+  Slot last_;  ///< The block that head() was last asked for: items mostly come in spatial order.
 };
 
 }  // namespace voropack

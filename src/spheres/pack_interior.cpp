@@ -16,6 +16,10 @@ namespace voropack {
 
 namespace {
 
+/// When fewer darts join, a circumcenter is the cheaper way to the next sphere (measured: a dart costs about a
+/// fifteenth of it).
+constexpr double kLeastYield = 0.06;
+
 /// Adds circumcenters to a packing until none can be added: Voronoi maximality.
 template <int K>
 class Completion {
@@ -25,13 +29,9 @@ class Completion {
 
   /// False if a protected face is missing.
   bool triangulate() {
-    vertex_of_.clear();
-    for (std::uint32_t i = 0; i < problem_.fixed.size(); ++i) vertex_of_.push_back(i);
-    for (std::uint32_t i = static_cast<std::uint32_t>(cells_.first_new()); i < cells_.spheres().size(); ++i)
-      vertex_of_.push_back(i);
-    std::vector<Vec<K>> points;
-    points.reserve(vertex_of_.size());
-    for (const std::uint32_t i : vertex_of_) points.push_back(cells_.spheres()[i].center);
+    const auto n = static_cast<std::uint32_t>(cells_.spheres().size() - problem_.foreign.size());
+    std::vector<Vec<K>> points(n);
+    for (std::uint32_t v = 0; v < n; ++v) points[v] = sphere(v).center;
     timed([&] {
       kernel_.insert(points);
       labels_ = label_regions<K>(kernel_, problem_.faces);
@@ -84,13 +84,22 @@ class Completion {
     if (labels_.region[slot] < 0 || !kernel_.is_finite(slot)) return;
     const auto corners = kernel_.corners(slot);
     std::array<Vec<K>, K + 1> points;
-    for (std::size_t i = 0; i <= K; ++i) points[i] = sphere(corners[i]).center;
+    double largest = 0;
+    for (std::size_t i = 0; i <= K; ++i) {
+      const Ball<K>& s = sphere(corners[i]);
+      points[i] = s.center;
+      largest = std::max(largest, s.radius);
+    }
     Vec<K> c = circumcenter(points);
+    const double radius = distance(c, points[0]);
+    // f(c) >= largest - b radius: most simplices are too small whatever f is there, and need no evaluation of it.
+    const double lipschitz = problem_.spacing.lipschitz;
+    if ((1 + lipschitz) * radius < 2 * largest * (1 - kPackingSlack)) return;
     if (!is_finite(c) || !problem_.bounds.contains(c)) return;
     double f = problem_.spacing.at(c);
-    const double radius = distance(c, points[0]);
-    for (std::size_t i = 0; i <= K; ++i)
-      if (radius < f + sphere(corners[i]).radius) return;
+    if (radius < f + largest) return;
+    // The ball around c is empty and large: what blocks c is mostly a protecting ball.
+    if (cells_.balls().forbids(c)) return;
     if (problem_.jitter > 0) {
       std::uint64_t h = hash_words(problem_.seed, corners[0], corners[1], corners[2]);
       for (int k = 0; k < K; ++k) c[k] += problem_.jitter * f * (2 * to_unit(h = mix64(h)) - 1);
@@ -108,7 +117,10 @@ class Completion {
     triangulation_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 
-  [[nodiscard]] const Ball<K>& sphere(std::uint32_t vertex) const { return cells_.spheres()[vertex_of_[vertex]]; }
+  /// The sphere of a vertex of the kernel. Foreign spheres, between the fixed and the new ones, are no vertices.
+  [[nodiscard]] const Ball<K>& sphere(std::uint32_t vertex) const {
+    return cells_.spheres()[vertex < problem_.fixed.size() ? vertex : vertex + problem_.foreign.size()];
+  }
 
   /// The roomiest first: a packing that starts with its largest holes needs fewest spheres.
   void insert(const std::vector<Candidate>& candidates, std::uint64_t round) {
@@ -125,7 +137,6 @@ class Completion {
     std::vector<std::uint32_t> hints;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (joins[i] == 0) continue;
-      vertex_of_.push_back(static_cast<std::uint32_t>(cells_.spheres().size()));
       cells_.spheres().add(candidates[i].sphere);
       cells_.regions().push_back(candidates[i].region);
       points.push_back(candidates[i].sphere.center);
@@ -145,8 +156,7 @@ class Completion {
     for (const std::uint32_t slot : created_) {
       int region = Walls<K>::kOutside;
       for (const std::uint32_t v : kernel_.corners(slot))
-        if (v >= first_new_vertex && v != kInfiniteVertex)
-          region = cells_.regions()[vertex_of_[v] - cells_.first_new()];
+        if (v >= first_new_vertex && v != kInfiniteVertex) region = cells_.regions()[v - problem_.fixed.size()];
       labels_.region[slot] = region;
     }
   }
@@ -156,7 +166,6 @@ class Completion {
   const Observer& observer_;
   DelaunayKernel<K> kernel_;
   RegionLabels<K> labels_;
-  std::vector<std::uint32_t> vertex_of_;  ///< By vertex of the kernel: its sphere.
   std::vector<std::uint32_t> created_;
   double triangulation_s_ = 0;
 };
@@ -181,9 +190,8 @@ PackedInterior<K> pack_interior(const PackingProblem<K>& problem, bool want_tria
   const bool lattice = problem.interior == Interior::kLattice && (voronoi || problem.lattice_first);
   ActiveCells<K> cells(problem, lattice, observer);
   if (voronoi && K > 1) {
-    // One dart into each cell fills most of them. The circumcenters find the places that are left more cheaply than
-    // further darts would.
-    cells.throw_darts();
+    // The circumcenters find the places that are left more cheaply than further darts would.
+    cells.throw_darts(kLeastYield);
   } else {
     fill_to_epsilon(cells, problem);
   }

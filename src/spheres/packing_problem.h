@@ -44,6 +44,15 @@ class Area {
   [[nodiscard]] virtual bool covers(const Box<K>& box) const = 0;
 };
 
+/// The protected simplices that bound regions: subsegments in the plane, subfacets in space.
+template <int D>
+const auto& wall_simplices(const Packing<D>& packing) {
+  if constexpr (D == 2)
+    return packing.subsegments;
+  else
+    return packing.subfacets;
+}
+
 template <int K>
 struct PackingProblem {
   Box<K> bounds;                          ///< Holds every region.

@@ -63,7 +63,12 @@ class SphereSet {
 
   /// True if the f-sphere (x, radius) overlaps a sphere of the set.
   [[nodiscard]] bool conflicts(const Vec<K>& x, double radius) const {
-    return visit_near(x, radius, [&](std::uint32_t id) { return overlap(spheres_[id], x, radius); });
+    const auto hit = [&](std::uint32_t id) { return overlap(spheres_[id], x, radius); };
+    // Mostly a sphere in the cell of x itself answers.
+    for (const Level& level : levels_)
+      for (std::uint32_t id = level.grid.find(x); id != BlockGrid<K>::kEnd; id = next_[id])
+        if (hit(id)) return true;
+    return visit_near(x, radius, hit);
   }
 
   /// True if one sphere q of the set leaves no room in the ball (m, r), for every f with f(m) and the Lipschitz
@@ -82,17 +87,18 @@ class SphereSet {
   }
 
  private:
-  /// The spheres with floor(log2(radius / unit)) == exponent.
+  /// The spheres with begin <= radius < 2 * begin, where begin is the unit times a power of two.
   struct Level {
-    int exponent;
+    double begin;
     BlockGrid<K> grid;
     double smallest, largest;
   };
   Level& level_of(double radius) {
-    const int exponent = static_cast<int>(std::floor(std::log2(radius / unit_)));
     for (Level& level : levels_)
-      if (level.exponent == exponent) return level;
-    levels_.push_back({exponent, BlockGrid<K>(origin_, 2 * std::ldexp(unit_, exponent)), radius, radius});
+      if (level.begin <= radius && radius < 2 * level.begin) return level;
+    double begin = std::ldexp(unit_, std::ilogb(radius / unit_));
+    if (begin > radius) begin /= 2;  // The quotient was rounded up to a power of two.
+    levels_.push_back({begin, BlockGrid<K>(origin_, 2 * begin), radius, radius});
     return levels_.back();
   }
 

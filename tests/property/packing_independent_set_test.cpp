@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/random.h"
 #include "spheres/independent_set.h"
 #include "spheres/pack_interior.h"
 
@@ -61,6 +62,22 @@ RC_GTEST_PROP(IndependentSet, IsThatOfTheSequentialPassInThePlane, ()) {
 RC_GTEST_PROP(IndependentSet, IsThatOfTheSequentialPassInSpace, ()) {
   const Input<3> input = any_input<3>();
   RC_ASSERT(independent_set(input.balls, input.priority, kLipschitz) == sequential(input));
+}
+
+/// Many candidates are taken in batches by priority; half of the priorities are equal, so that a batch ends among ties.
+TEST(IndependentSet, IsThatOfTheSequentialPassInBatches) {
+  Input<3> input;
+  Random random(7);
+  for (int i = 0; i < 9000; ++i) {
+    Ball<3> ball;
+    for (int k = 0; k < 3; ++k) ball.center[k] = 20 * random.unit();
+    ball.radius = 0.3 + 0.02 * norm(ball.center);
+    input.balls.push_back(ball);
+    input.priority.push_back(i % 2 == 0 ? 1000 : random.bits() % 2000);
+  }
+  const std::vector<std::uint8_t> joins = sequential(input);
+  EXPECT_GT(std::count(joins.begin(), joins.end(), 1), 1000);
+  EXPECT_EQ(independent_set(input.balls, input.priority, kLipschitz), joins);
 }
 
 /// On a segment of any length with any linear spacing: neighbors keep f + f, and nothing fits in between. A gap of the

@@ -1,0 +1,150 @@
+// How many spheres a packing will need, from integrals of powers of 1 / f over the domain and its boundary.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/parallel.h"
+#include "voropack/packing.h"
+
+namespace voropack {
+
+namespace {
+
+/// An integral over the boundary is wanted this accurately.
+constexpr double kAccuracy = 0.02;
+constexpr std::size_t kMaxPieces = 20'000;
+/// Pieces at the start, whatever the error, so that a small fine part is not overlooked.
+constexpr std::size_t kMinPieces = 512;
+/// Of the pieces, those whose error is at least this part of the largest are cut in one round.
+constexpr double kCutFraction = 0.25;
+
+/// A part of a segment (M = 1) or of a facet (M = 2).
+template <int D, int M>
+struct Piece {
+  std::array<Vec<D>, M + 1> corner;
+  double integral = 0;
+  double error = 0;
+};
+
+template <int D>
+double measure_of(const std::array<Vec<D>, 2>& s) {
+  return distance(s[0], s[1]);
+}
+double measure_of(const std::array<Vec<3>, 3>& s) { return 0.5 * norm(cross(s[1] - s[0], s[2] - s[0])); }
+
+/// Integrates f^-M by Simpson's rule, or by that of the triangle with corners and centroid, both exact for quadratic
+/// polynomials. The error is the difference from the midpoint rule.
+template <int D, int M>
+void examine(Piece<D, M>& piece, const Spacing<D>& f) {
+  const double measure = measure_of(piece.corner);
+  Box<D> box;
+  for (const Vec<D>& x : piece.corner) box.add(x);
+  if (const auto constant = f.constant_on(box)) {
+    piece.integral = measure / std::pow(*constant, M);
+    return;
+  }
+  Vec<D> center;
+  double at_corners = 0;
+  for (const Vec<D>& x : piece.corner) {
+    center += x / (M + 1.0);
+    at_corners += 1 / std::pow(f(x), M) / (M + 1.0);
+  }
+  const double at_center = 1 / std::pow(f(center), M);
+  constexpr double weight = M == 1 ? 1.0 / 3 : 1.0 / 4;
+  piece.integral = measure * (weight * at_corners + (1 - weight) * at_center);
+  piece.error = std::abs(piece.integral - measure * at_center);
+}
+
+/// Cuts a piece at the middle of its longest edge.
+template <int D, int M>
+std::array<Piece<D, M>, 2> halves(const Piece<D, M>& piece) {
+  const auto& x = piece.corner;
+  std::size_t a = 0, b = 1;
+  for (std::size_t i = 0; i <= M; ++i)
+    for (std::size_t j = i + 1; j <= M; ++j)
+      if (distance_sq(x[i], x[j]) > distance_sq(x[a], x[b])) {
+        a = i;
+        b = j;
+      }
+  std::array<Piece<D, M>, 2> result = {Piece<D, M>{x}, Piece<D, M>{x}};
+  result[0].corner[a] = result[1].corner[b] = 0.5 * (x[a] + x[b]);
+  return result;
+}
+
+/// The integral of f^-M over all pieces, which are cut in halves where they contribute most to the error.
+template <int D, int M>
+double integrate(std::vector<Piece<D, M>> pieces, const Spacing<D>& f) {
+  std::size_t n_old = 0;  // Pieces from here on are new.
+  for (;;) {
+    parallel_for(
+        pieces.size() - n_old, [&](std::size_t i) { examine(pieces[n_old + i], f); }, 64);
+    double integral = 0, error = 0, largest = 0;
+    for (const Piece<D, M>& piece : pieces) {
+      integral += piece.integral;
+      error += piece.error;
+      largest = std::max(largest, piece.error);
+    }
+    const bool is_fine = pieces.size() >= kMinPieces && error <= kAccuracy * integral;
+    if (largest == 0 || is_fine || pieces.size() >= kMaxPieces) return integral;
+    const double threshold = pieces.size() < kMinPieces ? 0.0 : kCutFraction * largest;
+    std::vector<Piece<D, M>> kept, cut;
+    for (const Piece<D, M>& piece : pieces) {
+      if (!(piece.error > 0 && piece.error >= threshold)) {
+        kept.push_back(piece);
+        continue;
+      }
+      for (const Piece<D, M>& half : halves(piece)) cut.push_back(half);
+    }
+    n_old = kept.size();
+    kept.insert(kept.end(), cut.begin(), cut.end());
+    pieces = std::move(kept);
+  }
+}
+
+template <int D>
+double segments_integral(const Domain<D>& domain, const Spacing<D>& f) {
+  std::vector<Piece<D, 1>> pieces;
+  for (const auto& s : domain.segments) pieces.push_back({{domain.points[s[0]], domain.points[s[1]]}});
+  return integrate(std::move(pieces), f);
+}
+
+double facets_integral(const Domain<3>& domain, const Spacing<3>& f) {
+  std::vector<Piece<3, 2>> pieces;
+  for (const FacetId facet : ids(domain.facet_frame))
+    for (const auto& t : domain.facet_triangles[facet])
+      pieces.push_back({{domain.points[t[0]], domain.points[t[1]], domain.points[t[2]]}});
+  return integrate(std::move(pieces), f);
+}
+
+/// Vertices per point and per unit of the integrals of 1 / f over segments, f^-2 over facets and f^-D over regions.
+/// Those of segments are negative in 3D because facets keep their centers 2 f away from them. Fitted to the counts of
+/// 216 meshes of 15 domains that needed no repair (docs/theory/packing.md); that of a lattice in space is its density.
+struct Weights {
+  double points, segments, facets, regions;
+};
+
+template <int D>
+Weights weights_of(const PackingOptions& options) {
+  if (options.form != PackingForm::kVoronoi)
+    return D == 3 ? Weights{1, -0.162, 0.0855, 0.0883} : Weights{-0.23, 0.201, 0, 0.165};
+  if (options.interior == Interior::kRandom)
+    return D == 3 ? Weights{1, -0.031, 0.070, 0.0915} : Weights{-0.65, 0.333, 0, 0.167};
+  return D == 3 ? Weights{1, -0.135, 0.1436, 0.0437} : Weights{-0.69, 0.508, 0, 0.096};
+}
+
+}  // namespace
+
+template <int D>
+double estimate_sphere_count(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options) {
+  const Weights w = weights_of<D>(options);
+  const auto n_points = static_cast<double>(domain.points.size());
+  double count =
+      w.points * n_points + w.segments * segments_integral(domain, spacing) + w.regions * spacing.integral(domain);
+  if constexpr (D == 3) count += w.facets * facets_integral(domain, spacing);
+  return std::max(n_points, count);
+}
+
+template double estimate_sphere_count(const Domain<2>&, const Spacing<2>&, const PackingOptions&);
+template double estimate_sphere_count(const Domain<3>&, const Spacing<3>&, const PackingOptions&);
+
+}  // namespace voropack
