@@ -178,7 +178,7 @@ Certificate certify(const Mesh<D>& mesh, const ControlVolumes<D>& volumes, const
   observer.begin_stage("certificate");
   Tally structure;
   const Topology<D> topology(mesh, structure, observer);
-  Subject<D> subject{mesh, volumes, domain, options, observer, topology, {}, {}};
+  Subject<D> subject{mesh, volumes, domain, options, observer, topology, {}, {}, SharpFeatures<D>(mesh, topology)};
   subject.has_spacing = !mesh.points.empty() && mesh.vertex_spacing.size() == mesh.points.size();
   subject.vertices = build_vertex_tree(mesh, topology, subject.has_spacing);
   subject.balls = list_protecting_balls(mesh, topology);

@@ -9,6 +9,7 @@
 
 #include "certificate/box_tree.h"
 #include "certificate/geometry.h"
+#include "certificate/sharp_features.h"
 #include "certificate/tally.h"
 #include "certificate/topology.h"
 #include "voropack/certificate.h"
@@ -50,6 +51,7 @@ struct Subject {
   const Topology<D>& topology;
   VertexTree<D> vertices;
   std::vector<ProtectingBall<D>> balls;
+  SharpFeatures<D> sharp;
   bool has_spacing = false;
   double gradation = 0;  ///< b: claimed, or measured by `check_spacing_lipschitz`.
 

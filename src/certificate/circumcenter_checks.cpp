@@ -22,6 +22,10 @@ constexpr double kInside = 1e-12;
 /// 2.8 beside a segment inside a facet.
 constexpr double kPracticalRadiusEdge = 4;
 
+/// Sharp simplices may have a ratio of this over the sine of half the angle: a triangle or tetrahedron between two
+/// polytopes at that angle has its short edges across. Up to 4.7 has been seen.
+constexpr double kSharpRadiusEdge = 8;
+
 enum MaximalFault : int { kInsertable = 1 };
 enum ContainmentFault : int { kBeyondFace = 1, kWalkLost };
 
@@ -59,9 +63,30 @@ struct BallsAround {
 
 enum class Blocked : std::uint8_t { kNo, kByVertex, kByBall, kUnknown };
 
+/// Radius-edge ratios beyond the bound of the interior, by what allows them.
+struct RatioClass {
+  std::uint64_t count = 0;
+  double worst = 0;
+  void add(double ratio) {
+    ++count;
+    worst = std::max(worst, ratio);
+  }
+  RatioClass& operator+=(const RatioClass& other) {
+    count += other.count;
+    worst = std::max(worst, other.worst);
+    return *this;
+  }
+};
+
 struct Tallies {
   Tally maximal, containment, ratio;
+  RatioClass edge_balls, face_balls, sharp;
+  double sharp_constant = 0;  ///< The largest ratio of a sharp simplex times the sine of half its angle.
   Tallies& operator+=(const Tallies& other) {
+    edge_balls += other.edge_balls;
+    face_balls += other.face_balls;
+    sharp += other.sharp;
+    sharp_constant = std::max(sharp_constant, other.sharp_constant);
     maximal += other.maximal;
     containment += other.containment;
     ratio += other.ratio;
@@ -108,7 +133,7 @@ class CircumcenterPass {
       else
         tallies.maximal.legal_quotient(ball.radius * (D + 1), 2 * f.sum, id);
     }
-    test_ratio(id, p, ball, blocked, around, tallies.ratio);
+    test_ratio(id, p, ball, blocked, around, tallies);
   }
 
  private:
@@ -250,7 +275,8 @@ class CircumcenterPass {
   }
 
   void test_ratio(std::uint32_t s, const std::array<Vec<D>, D + 1>& p, const Circumball<D>& ball, Blocked blocked,
-                  std::optional<BallsAround>& around, Tally& tally) const {
+                  std::optional<BallsAround>& around, Tallies& tallies) const {
+    Tally& tally = tallies.ratio;
     double shortest_sq = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < D; ++i)
       for (std::size_t j = i + 1; j <= D; ++j) shortest_sq = std::min(shortest_sq, distance_sq(p[i], p[j]));
@@ -263,16 +289,40 @@ class CircumcenterPass {
     }
     const double ratio = ball.radius / std::sqrt(shortest_sq);
     double bound = bounds_.vertex;
-    if (ratio > bound * (1 + kSlack) && blocked != Blocked::kByVertex) {
-      const double f = subject_.has_spacing ? corner_spacings(s).largest + subject_.gradation * ball.radius : 0;
-      if (!around) around = balls_around(ball, epsilon_ * f);
-      if (around->face) bound = std::max(bound, bounds_.face_ball);
-      if (around->edge && !around->face) bound = std::max(bound, bounds_.edge_ball);
+    if (ratio > bound * (1 + kSlack)) {
+      if (const std::optional<double> angle = sharp_angle(s)) {
+        const double sine = std::sin(0.5 * *angle);
+        bound = std::max(bound, kSharpRadiusEdge / sine);
+        tallies.sharp.add(ratio);
+        tallies.sharp_constant = std::max(tallies.sharp_constant, ratio * sine);
+      } else if (blocked != Blocked::kByVertex) {
+        const double f = subject_.has_spacing ? corner_spacings(s).largest + subject_.gradation * ball.radius : 0;
+        if (!around) around = balls_around(ball, epsilon_ * f);
+        if (around->face) {
+          bound = std::max(bound, bounds_.face_ball);
+          tallies.face_balls.add(ratio);
+        } else if (around->edge) {
+          bound = std::max(bound, bounds_.edge_ball);
+          tallies.edge_balls.add(ratio);
+        }
+      }
     }
     if (ratio > bound * (1 + kSlack))
       tally.violation(1, ratio, s);
     else
       tally.legal(ratio, s);
+  }
+
+  /// The smallest angle of a sharp feature on two of whose polytopes corners of the simplex lie.
+  [[nodiscard]] std::optional<double> sharp_angle(std::uint32_t s) const {
+    std::optional<double> least;
+    if (subject_.sharp.empty()) return least;
+    const auto& v = subject_.mesh.simplex_vertices[SimplexId(s)];
+    for (std::size_t i = 0; i < D; ++i)
+      for (std::size_t j = i + 1; j <= D; ++j)
+        if (const auto angle = subject_.sharp.angle(v[i].value(), v[j].value()); angle && (!least || *angle < *least))
+          least = angle;
+    return least;
   }
 
   const Subject<D>& subject_;
@@ -299,6 +349,18 @@ std::string describe_containment(const Subject<D>& subject, const Finding& worst
 
 }  // namespace
 
+std::string describe_classes(const Tallies& tallies) {
+  std::string text;
+  const auto add = [&](const char* name, const RatioClass& c) {
+    if (c.count > 0) text += "; " + std::string(name) + ": " + std::to_string(c.count) + ", at most " + number(c.worst);
+  };
+  add("beyond the interior's bound in edge balls", tallies.edge_balls);
+  add("in facet balls", tallies.face_balls);
+  add("sharp", tallies.sharp);
+  if (tallies.sharp.count > 0) text += " and " + number(tallies.sharp_constant) + " / sin(angle / 2)";
+  return text;
+}
+
 template <int D>
 std::array<Check, 3> check_circumcenters(const Subject<D>& subject) {
   const CircumcenterPass<D> pass(subject);
@@ -319,7 +381,8 @@ std::array<Check, 3> check_circumcenters(const Subject<D>& subject) {
   return {
       make_check("voronoi_maximal", tallies.maximal, simplex(tallies.maximal, ": a vertex fits at its circumcenter")),
       make_check("voronoi_containment", tallies.containment, describe_containment(subject, tallies.containment.worst)),
-      make_check("radius_edge", tallies.ratio, simplex(tallies.ratio, ": longer than its class allows"))};
+      make_check("radius_edge", tallies.ratio,
+                 simplex(tallies.ratio, ": longer than its class allows") + describe_classes(tallies))};
 }
 
 template std::array<Check, 3> check_circumcenters(const Subject<2>&);

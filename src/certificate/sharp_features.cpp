@@ -243,13 +243,14 @@ struct SharpFeatures<D>::Builder {
   /// A polytope at v that neither is the segment through v nor contains it.
   [[nodiscard]] bool has_stranger(std::uint32_t v) const {
     const std::uint32_t segment = polytope_of_edge[edges_at[v][0]];
-    return std::ranges::any_of(closures[v],
-                               [&](std::uint32_t p) { return p != segment && !contained.contains({segment, p}); });
+    return std::ranges::any_of(closures[v], [&](std::uint32_t p) {
+      return p != segment && !contained.contains({segment, p});
+    });
   }
 
   const Mesh<D>& mesh;
   const std::vector<BoundaryFace<D>>& boundary;
-  std::vector<std::pair<Edge, int>> edges;       // Of segments, with markers; sorted.
+  std::vector<std::pair<Edge, int>> edges;  // Of segments, with markers; sorted.
   std::map<Edge, std::uint32_t> edge_index;
   std::map<Edge, std::vector<std::uint32_t>> faces_of_edge;
   std::vector<std::vector<std::uint32_t>> edges_at, faces_at, closures;  // By vertex.

@@ -1,5 +1,5 @@
-// Which vertices lie on two polytopes that meet at a small angle. The polytopes are found in the mesh itself: facets are
-// boundary simplices joined across edges that are no part of a segment, segments are straight chains of edges.
+// Which vertices lie on two polytopes that meet at a small angle. The polytopes are found in the mesh itself: facets
+// are boundary simplices joined across edges that are no part of a segment, segments are straight chains of edges.
 #pragma once
 
 #include <cstdint>

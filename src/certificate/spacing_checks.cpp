@@ -78,6 +78,10 @@ PairTallies test_leaf(const Subject<D>& subject, std::size_t leaf) {
         const double sum = vertices.spacing[i] + vertices.spacing[j];
         if (!(gap_sq < best_ratio_sq * sum * sum) && !(gap_sq < sum * sum)) continue;
         const double ratio = std::sqrt(gap_sq) / sum;
+        if (ratio < 1 - kPackingCheckSlack && subject.sharp.carrier_angle(vertices.id[i], vertices.id[j])) {
+          ++result.packing.excepted;
+          continue;
+        }
         best_ratio_sq = std::min(best_ratio_sq, ratio * ratio);
         const Finding finding{.kind = ratio < 1 - kPackingCheckSlack ? kSpheresOverlap : 0,
                               .figure = -ratio,
@@ -100,7 +104,10 @@ std::string describe_packing(const Subject<D>& subject, const Tally& tally) {
   if (worst.kind == kBadSpacing)
     return "the spacing of " + subject.vertex_text(worst.ids[0]) + " is not positive and finite";
   const std::string pair = subject.vertex_text(worst.ids[0]) + " and " + subject.vertex_text(worst.ids[1]);
-  return (worst.kind == kSpheresOverlap ? "overlap: " : "nearest to overlap: ") + pair;
+  std::string text = (worst.kind == kSpheresOverlap ? "overlap: " : "nearest to overlap: ") + pair;
+  if (tally.excepted > 0)
+    text += "; excepted: " + std::to_string(tally.excepted) + " pairs, each on two polytopes of one sharp feature";
+  return text;
 }
 
 /// Slope of f between two vertices, squared, as a fraction that needs no division to compare.

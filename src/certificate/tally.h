@@ -35,6 +35,7 @@ struct Tally {
   std::uint64_t tested = 0;
   std::uint64_t violations = 0;
   std::uint64_t undecided = 0;
+  std::uint64_t excepted = 0;  ///< Would be violations but for a stated exception.
   Finding worst;
 
   void legal(double figure, std::uint32_t a = 0, std::uint32_t b = 0, std::uint32_t c = 0) {
@@ -67,6 +68,7 @@ struct Tally {
     tested += other.tested;
     violations += other.violations;
     undecided += other.undecided;
+    excepted += other.excepted;
     note(other.worst);
     return *this;
   }
