@@ -101,7 +101,8 @@ struct SharpFeatures<D>::Builder {
         const auto [a, b] = mesh.segment_edges[e];
         const bool valid = a != b && !a.is_none() && !b.is_none() && a.value() < mesh.points.size() &&
                            b.value() < mesh.points.size() && topology.finite(a.value()) && topology.finite(b.value());
-        if (valid) edges.push_back({edge_of(a.value(), b.value()), mesh.segment_edge_marker[e]});
+        const bool has_marker = e.value() < mesh.segment_edge_marker.size();
+        if (valid) edges.push_back({edge_of(a.value(), b.value()), has_marker ? mesh.segment_edge_marker[e] : 0});
       }
       faces_of_edge = std::move(around);
     }
@@ -136,7 +137,7 @@ struct SharpFeatures<D>::Builder {
       if (at[v].empty()) continue;
       is_corner[v] = true;
       if (at[v].size() != 2 || edges[at[v][0]].second != edges[at[v][1]].second) continue;
-      if (!mesh.vertex_carrier_dimension.empty() && mesh.vertex_carrier_dimension[VertexId(v)] == 0) continue;
+      if (v < mesh.vertex_carrier_dimension.size() && mesh.vertex_carrier_dimension[VertexId(v)] == 0) continue;
       const auto away = [&](std::uint32_t e) {
         return point(edges[e].first[0] == v ? edges[e].first[1] : edges[e].first[0]) - point(v);
       };
