@@ -49,8 +49,7 @@ Attacher::Attacher(const Complex<3>& complex) : complex_(complex) {
   tree_ = AabbTree<3>(std::move(boxes));
 }
 
-void Attacher::attach(Sheet& sheet) const {
-  const double reach = sheet.deviation + complex_.tolerance;
+void Attacher::attach(Sheet& sheet, double reach) const {
   Box<3> box;
   for (const Index p : sheet.points) box.add(complex_.points[p]);
   box.inflate(reach);

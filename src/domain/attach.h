@@ -11,8 +11,8 @@ class Attacher {
  public:
   explicit Attacher(const Complex<3>& complex);
 
-  /// Adds to sheet.points those within its own deviation of its plane and, in the plane, of its facets.
-  void attach(Sheet& sheet) const;
+  /// Adds to sheet.points those within `reach` of its plane and, in the plane, of its facets.
+  void attach(Sheet& sheet, double reach) const;
 
  private:
   const Complex<3>& complex_;

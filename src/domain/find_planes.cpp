@@ -18,8 +18,11 @@ namespace voropack::domain_impl {
 
 namespace {
 
-/// Each round gives up the smallest sheet at every point where planes cannot be met. Few need more than one.
-constexpr int kMaxRounds = 20;
+/// Each round frees the points where planes cannot be met from one of them; in the first ones, only the worst points:
+/// others may fail because of them. In the last rounds it frees them from all planes. Few inputs need more than one.
+constexpr int kMaxRounds = 12;
+constexpr int kCarefulRounds = 6;
+constexpr double kWorst = 0.25;
 
 /// The points that are extreme in eight directions of the plane: one of them is nearly as far from any line as the
 /// farthest point.
@@ -141,8 +144,7 @@ class PlaneFinder {
   /// Moves points until all sheets are planar. Where that is impossible, the smallest sheets are given up.
   void flatten() {
     const Attacher attacher(complex_);
-    for (Sheet& sheet : sheets_)
-      if (is_noisy(sheet)) attacher.attach(sheet);
+    for (Sheet& sheet : sheets_) attach(sheet, attacher);
     for (int round = 0;; ++round) {
       std::vector<const Sheet*> constraints;
       std::vector<Index> index;
@@ -151,25 +153,62 @@ class PlaneFinder {
           constraints.push_back(&sheets_[s]);
           index.push_back(s);
         }
-      FlatPoints flat = flatten_sheets(original_, constraints, complex_.tolerance, limits_.distance);
+      FlatPoints flat = flatten_sheets(original_, constraints, complex_.tolerance, limits_.distance,
+                                       round < kCarefulRounds ? kWorst : 0);
       if (flat.failed.empty()) {
         complex_.points = std::move(flat.positions);
         return;
       }
-      std::vector<std::vector<Index>> at(complex_.points.size());
-      for (const Index s : index)
-        for (const Index p : sheets_[s].points) at[p].push_back(s);
-      std::vector<Index> given_up;
-      const auto smaller = [&](Index s, Index t) { return sheets_[s].points.size() < sheets_[t].points.size(); };
-      for (const Index p : flat.failed) {
-        if (round < kMaxRounds)
-          given_up.push_back(*std::min_element(at[p].begin(), at[p].end(), smaller));
-        else
-          given_up.insert(given_up.end(), at[p].begin(), at[p].end());
+      give_up(flat.failed, round < kMaxRounds, index, attacher);
+    }
+  }
+
+  /// Frees each of the failed points from its smallest sheet, or from all.
+  void give_up(const std::vector<Index>& failed, bool one, const std::vector<Index>& constraints,
+               const Attacher& attacher) {
+    std::vector<std::vector<Index>> at(complex_.points.size());
+    for (const Index s : constraints)
+      for (const Index p : sheets_[s].points) at[p].push_back(s);
+    std::map<Index, std::vector<Index>> freed;
+    const auto smaller = [&](Index s, Index t) { return sheets_[s].points.size() < sheets_[t].points.size(); };
+    for (const Index p : failed)
+      for (const Index s : one ? std::vector{*std::min_element(at[p].begin(), at[p].end(), smaller)} : at[p])
+        freed[s].push_back(p);
+    for (const auto& [s, points] : freed) shrink(s, points, attacher);
+  }
+
+  /// Takes the facets at some points (sorted) out of a sheet: on their own they may be planar. A facet that already is
+  /// on its own is split into triangles, which always are.
+  void shrink(Index s, const std::vector<Index>& points, const Attacher& attacher) {
+    const Sheet sheet = std::move(sheets_[s]);
+    sheets_[s] = Sheet{};
+    const auto touches = [&](Index f) {
+      const auto& own = complex_.facets[f].points;
+      return std::any_of(own.begin(), own.end(),
+                         [&](Index p) { return std::binary_search(points.begin(), points.end(), p); });
+    };
+    Sheet rest;
+    std::vector<Index> removed;
+    for (const Index f : sheet.facets) (touches(f) ? removed : rest.facets).push_back(f);
+    if (rest.facets.size() > 1 || (rest.facets.size() == 1 && complex_.facets[rest.facets[0]].points.size() > 3)) {
+      fit_sheet(complex_, rest);
+      // Points that only touch the sheet are let go, if it is they that failed.
+      if (!removed.empty()) attach(rest, attacher);
+      sheets_[s] = std::move(rest);
+    } else {
+      removed.insert(removed.end(), rest.facets.begin(), rest.facets.end());
+    }
+    for (const Index f : removed) {
+      complex_.facets[f].sheet.reset();
+      if (complex_.facets[f].points.size() == 3) continue;
+      if (sheet.facets.size() == 1) {
+        split_.push_back(f);
+        continue;
       }
-      std::sort(given_up.begin(), given_up.end());
-      given_up.erase(std::unique(given_up.begin(), given_up.end()), given_up.end());
-      for (const Index s : given_up) give_up(s, attacher);
+      Sheet alone{{f}, {}, {}};
+      fit_sheet(complex_, alone);
+      attach(alone, attacher);
+      add_sheet(std::move(alone));
     }
   }
 
@@ -180,22 +219,15 @@ class PlaneFinder {
         join_outlines(complex_, sheet, counts, 4 * (sheet.deviation + complex_.tolerance));
   }
 
-  /// Takes a sheet apart into its facets, or a facet into triangles: their points lie on no common plane any longer.
-  void give_up(Index s, const Attacher& attacher) {
-    Sheet sheet = std::move(sheets_[s]);
-    sheets_[s] = Sheet{};
-    for (const Index f : sheet.facets) {
-      complex_.facets[f].sheet.reset();
-      if (complex_.facets[f].points.size() == 3) continue;
-      if (sheet.facets.size() == 1) {
-        split_.push_back(f);
-        continue;
-      }
-      Sheet alone{{f}, {}, {}};
-      fit_sheet(complex_, alone);
-      if (is_noisy(alone)) attacher.attach(alone);
-      add_sheet(std::move(alone));
-    }
+  /// Lets the points that a sheet touches move along with it, if the input has noise. In a surface, facets name the
+  /// points that they touch, but for those that noise keeps off the side of a triangle.
+  void attach(Sheet& sheet, const Attacher& attacher) const {
+    if (complex_.input->is_surface && !is_noisy(sheet)) return;
+    Sheet with = sheet;
+    attacher.attach(with, complex_.input->is_surface ? sheet.deviation : limits_.distance);
+    if (with.points.size() == sheet.points.size()) return;
+    fit_points(original_, with);
+    if (with.deviation <= limits_.distance) sheet = std::move(with);
   }
 
   void note_thin(const WorkFacet& facet) {
@@ -250,9 +282,10 @@ class PlaneFinder {
     };
     std::map<std::array<Index, 2>, PlanarEdge> edges;
     const auto edge = [&](Index p, Index q) -> PlanarEdge& {
-      const auto [a, b] = std::minmax(local(p), local(q));
-      PlanarEdge& found = edges[{a, b}];
-      found.ends = {a, b};
+      std::array<Index, 2> ends = {local(p), local(q)};
+      if (ends[0] > ends[1]) std::swap(ends[0], ends[1]);
+      PlanarEdge& found = edges[ends];
+      found.ends = ends;
       return found;
     };
     for (const auto& corners : facet.polygons)

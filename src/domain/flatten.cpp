@@ -13,19 +13,21 @@ constexpr int kMaxNewtonSteps = 8;
 /// Enough for the digits that one Newton step can gain, unless planes are nearly parallel.
 constexpr int kMaxGradientSteps = 400;
 constexpr double kGradientReduction = 1e-9;
+/// So many steps are between two looks whether points have left their limit already.
+constexpr int kStepsBetweenLooks = 16;
 
 /// Points x and planes with the equations n * (x - o) = 0, one for each point of a sheet.
 class Incidences {
  public:
-  Incidences(const std::vector<Vec<3>>& points, const std::vector<const Sheet*>& sheets, double tolerance)
-      : points_(points), sheets_(sheets), local_(points.size(), kNone) {
+  Incidences(const std::vector<Vec<3>>& points, const std::vector<const Sheet*>& sheets, double tolerance, double limit)
+      : points_(points), sheets_(sheets), limit_(limit), local_(points.size(), kNone) {
     choose_points(tolerance);
     for (const Vec<3>& x : points) center_ += x / static_cast<double>(points.size());
     for (const Index p : moving_) x_.push_back(points[p] - center_);
     for (const Sheet* sheet : sheets) add_plane(*sheet);
   }
 
-  /// Newton's method until the equations hold up to rounding or no longer improve.
+  /// Newton's method until the equations hold up to rounding, no longer improve, or move points too far.
   void solve() {
     double before = std::numeric_limits<double>::infinity();
     for (int step = 0; step < kMaxNewtonSteps; ++step) {
@@ -34,7 +36,9 @@ class Incidences {
       for (const double r : residual) worst = std::max(worst, std::abs(r));
       if (!(worst < 0.5 * before) || worst == 0) return;
       before = worst;
-      move(multipliers(residual));
+      const Step change = pull(multipliers(residual));
+      move(change);
+      if (is_too_far(change)) return;
     }
   }
 
@@ -166,7 +170,9 @@ class Incidences {
     std::vector<double> direction = z;
     double rz = product(r, z);
     const double goal = rz * kGradientReduction * kGradientReduction;
-    for (int step = 0; step < kMaxGradientSteps && rz > goal; ++step) {
+    for (int step = 1; step <= kMaxGradientSteps && rz > goal; ++step) {
+      // The energy of the displacement grows with each step: what is too far will not come back.
+      if (step % kStepsBetweenLooks == 0 && is_too_far(pull(y))) break;
       const std::vector<double> image = multiply(direction);
       const double curvature = product(direction, image);
       if (!(curvature > 0)) break;
@@ -183,8 +189,13 @@ class Incidences {
     return y;
   }
 
-  void move(const std::vector<double>& y) {
-    const Step step = pull(y);
+  /// Far beyond the limit, which is held against the final positions.
+  [[nodiscard]] bool is_too_far(const Step& step) const {
+    return std::any_of(step.points.begin(), step.points.end(),
+                       [&](const Vec<3>& x) { return !(norm_sq(x) <= 4 * limit_ * limit_); });
+  }
+
+  void move(const Step& step) {
     for (std::size_t i = 0; i < x_.size(); ++i) x_[i] += step.points[i];
     for (std::size_t s = 0; s < planes_.size(); ++s) {
       Plane& plane = planes_[s];
@@ -200,6 +211,7 @@ class Incidences {
 
   const std::vector<Vec<3>>& points_;
   const std::vector<const Sheet*>& sheets_;
+  double limit_;
   std::vector<Index> local_;  ///< By point: its index in moving_, or kNone.
   std::vector<Index> moving_;
   Vec<3> center_;
@@ -211,28 +223,31 @@ class Incidences {
 }  // namespace
 
 FlatPoints flatten_sheets(const std::vector<Vec<3>>& points, const std::vector<const Sheet*>& sheets, double tolerance,
-                          double limit) {
+                          double limit, double told) {
   FlatPoints result{points, {}};
-  Incidences incidences(points, sheets, tolerance);
+  Incidences incidences(points, sheets, tolerance, limit);
   if (incidences.moving().empty()) return result;
   incidences.solve();
   const std::vector<Vec<3>> positions = incidences.positions();
+  std::vector<double> excess(points.size(), 0);  // Of displacement or distance from a plane, over what is allowed.
   std::vector<char> moves(points.size(), 0);
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Index p = incidences.moving()[i];
     moves[p] = 1;
     result.positions[p] = positions[i];
-    if (!(distance(positions[i], points[p]) <= limit)) result.failed.push_back(p);
+    const double displacement = distance(positions[i], points[p]);
+    excess[p] = std::isfinite(displacement) ? displacement / limit : std::numeric_limits<double>::infinity();
   }
   for (const Sheet* sheet : sheets) {
     Sheet flat = *sheet;
     fit_points(result.positions, flat);
     for (const Index p : flat.points)
-      if (moves[p] != 0 && std::abs(flat.frame.height(result.positions[p])) > 0.5 * tolerance)
-        result.failed.push_back(p);
+      if (moves[p] != 0)
+        excess[p] = std::max(excess[p], std::abs(flat.frame.height(result.positions[p])) / (0.5 * tolerance));
   }
-  std::sort(result.failed.begin(), result.failed.end());
-  result.failed.erase(std::unique(result.failed.begin(), result.failed.end()), result.failed.end());
+  const double worst = *std::max_element(excess.begin(), excess.end());
+  for (Index p = 0; p < excess.size() && worst > 1; ++p)
+    if (excess[p] > std::max(1.0, told * worst) || std::isinf(excess[p])) result.failed.push_back(p);
   return result;
 }
 
