@@ -140,7 +140,7 @@ void add_merge_options(CLI::App& command, DomainOptions& options) {
   command
       .add_option("--merge-distance", options.merge_distance,
                   "Facets whose points are this near to one plane are one facet, and its points move into the plane;\n"
-                  "without it 1e-5 of the diagonal of the domain's bounding box")
+                  "without it 1e-5 of the diagonal of the domain's bounding box, or what the file's digits leave open")
       ->check(number_below())
       ->type_name("LENGTH");
   command

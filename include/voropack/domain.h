@@ -143,8 +143,10 @@ struct DomainOptions {
   /// Join coplanar facets of the same marker that meet at an edge with no third facet.
   bool merge_coplanar = true;
   /// Facets are coplanar if all their points are this near to one plane, and a facet is planar if all its points are.
-  /// Points are moved onto these planes by no more than this. A length; 1e-5 times the diagonal of the bounding box if
-  /// absent (docs/theory/domain.md tells why). Rounding of doubles is tolerated on top.
+  /// Points are moved onto these planes by no more than this. A length, in units of the domain. Rounding of doubles is
+  /// tolerated on top. If absent: 1e-5 times the diagonal of the bounding box, or two units of the last digit of the
+  /// largest coordinate if that is more and the coordinates show that they were rounded, to nine decimal digits or
+  /// fewer or to single precision; at most 1e-3 times the diagonal. docs/theory/domain.md has the measurements.
   std::optional<double> merge_distance = std::nullopt;
   /// Facets are coplanar only if their planes are this near to parallel. Degrees. Facets thinner than four times the
   /// merge distance are exempt: noise turns their planes anywhere.

@@ -11,6 +11,7 @@
 #include "domain/flatten.h"
 #include "domain/outline.h"
 #include "domain/plane.h"
+#include "domain/precision.h"
 #include "domain/sheets.h"
 #include "geom/tolerance.h"
 
@@ -67,11 +68,20 @@ bool measure(const Complex<3>& complex, WorkFacet& facet) {
   return true;
 }
 
+/// Relative to the size of the domain; but more where the file shows that its coordinates were rounded more coarsely,
+/// far from the origin, though not without limit.
+double default_distance(const Complex<3>& complex) {
+  const double diagonal = complex.box.diagonal();
+  const double rounding = 2 * coordinate_unit(*complex.input);
+  return std::max(kMergeDistance * diagonal, std::min(rounding, kMaxDefaultMergeDistance * diagonal));
+}
+
 class PlaneFinder {
  public:
   PlaneFinder(Complex<3>& complex, const DomainOptions& options, FaultList<3>& faults)
       : complex_(complex), options_(options), faults_(faults), names_(*complex.input), original_(complex.points) {
-    limits_.distance = options.merge_distance.value_or(kMergeDistance * complex.box.diagonal()) + complex.tolerance;
+    limits_.distance =
+        (options.merge_distance ? *options.merge_distance : default_distance(complex)) + complex.tolerance;
     limits_.sine = std::sin(options.merge_angle_deg * std::numbers::pi / 180) + kCoplanarAngle;
   }
 

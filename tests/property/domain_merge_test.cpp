@@ -140,6 +140,21 @@ TEST(DomainMerge, NoiseFollowsScalesAndShifts) {
     }
 }
 
+TEST(DomainMerge, CoordinatesFarFromTheOriginShowTheirPrecision) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const Domain<3> box = build(with_digits(domains::tilted(domains::tessellated_cube(2), seed, 1, 10), 6));
+    expect_flat(box, kBox, 1, 1e-3);
+    expect_flat(build(in_single_precision(domains::tilted(domains::tessellated_cube(2), seed, 1, 1000))), kBox, 1,
+                1e-3);
+    // At this distance six digits are two for the box: not without being asked.
+    try {
+      EXPECT_NE(shape_of(build(with_digits(domains::tilted(domains::tessellated_cube(2), seed, 1, 1000), 6))), kBox);
+    } catch (const InputError&) {
+    }
+  }
+}
+
 TEST(DomainMerge, ExactInputStaysAsItIs) {
   for (const double shift : {0.0, 1e6}) {
     const auto input = domains::tilted(bracket(), 2, 1, shift);
@@ -299,17 +314,22 @@ TEST(DomainMerge, AFineSphereIsNotFlattenedBeyondTheDistance) {
     EXPECT_EQ(domain.points.size(), input.points.size());
     EXPECT_NEAR(total_measure(domain), 4 * std::numbers::pi / 3, 2e-3);
   }
-  // Even with a large distance no facet is longer than a chord of a cap that deep.
-  const double distance_limit = 1e-3;
-  const Domain<3> coarse = build(input, {.merge_distance = distance_limit, .merge_angle_deg = 20});
-  EXPECT_LT(coarse.facet_frame.size(), input.facets.size());
-  if (coarse.merge) {
-    EXPECT_LE(coarse.merge->largest_displacement, 1.001 * distance_limit);
-  }
-  for (const FacetId f : ids<FacetId>(coarse.facet_frame.size())) {
-    Box<3> box;
-    for (const PointId p : coarse.facet_points[f]) box.add(coarse.points[p]);
-    ASSERT_LT(box.diagonal(), 2.5 * std::sqrt(8 * distance_limit));
+}
+
+TEST(DomainMerge, NoChainOfFacetsFollowsACurve) {
+  // Whatever the distance, no facet is longer than a chord of a cap that deep, though each step turns by a degree only.
+  const auto input = sphere(40);
+  for (const double limit : {3e-4, 3e-3, 3e-2}) {
+    const Domain<3> domain = build(input, {.merge_distance = limit, .merge_angle_deg = 20});
+    if (domain.merge) {
+      EXPECT_LE(domain.merge->largest_displacement, 1.001 * limit);
+    }
+    for (const FacetId f : ids<FacetId>(domain.facet_frame.size())) {
+      Box<3> box;
+      for (const PointId p : domain.facet_points[f]) box.add(domain.points[p]);
+      ASSERT_LT(box.diagonal(), std::max(0.1, 2 * std::sqrt(8 * limit)));
+    }
+    EXPECT_NEAR(total_measure(domain), 4 * std::numbers::pi / 3, 0.02);
   }
 }
 
