@@ -121,6 +121,9 @@ class PlaneFinder {
                               complex_.tolerance, text(place)),
                   "remove it, or correct its corners", place, complex_.input->facets[facet.input].line);
     }
+    if (kept.empty() && faults_.empty())
+      faults_.add("empty", fmt::format("no facet has any area (within the tolerance of {:.3g})", complex_.tolerance),
+                  "give the boundary of at least one region");
     complex_.facets = std::move(kept);
   }
 

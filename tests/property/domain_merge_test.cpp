@@ -179,6 +179,10 @@ TEST(DomainMerge, RenumberingDoesNotChangeTheFacets) {
       std::rotate(polygon.begin(), polygon.begin() + static_cast<std::ptrdiff_t>(random.bits() % 3), polygon.end());
       if (random.bits() % 2 == 0) std::reverse(polygon.begin(), polygon.end());
     }
+    const auto n = static_cast<domains::Corner>(shuffled.points.size());
+    std::reverse(shuffled.points.begin(), shuffled.points.end());
+    for (auto& facet : shuffled.facets)
+      for (auto& p : facet.polygons.front()) p = n - 1 - p;
     const Domain<3> domain = build(shuffled);
     EXPECT_EQ(shape_of(domain), kBox);
     for (const Vec<3>& x : domain.points) {
