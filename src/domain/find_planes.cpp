@@ -101,7 +101,7 @@ class PlaneFinder {
   }
 
  private:
-  [[nodiscard]] bool is_noisy(const Sheet& sheet) const { return sheet.deviation > complex_.tolerance; }
+  [[nodiscard]] bool is_noisy(const Sheet& sheet) const { return sheet.deviation > kVisibleNoise * complex_.tolerance; }
 
   void measure_facets() {
     std::vector<WorkFacet> kept;

@@ -19,9 +19,9 @@ constexpr int kStepsBetweenLooks = 16;
 /// Points x and planes with the equations n * (x - o) = 0, one for each point of a sheet.
 class Incidences {
  public:
-  Incidences(const std::vector<Vec<3>>& points, const std::vector<const Sheet*>& sheets, double tolerance, double limit)
+  Incidences(const std::vector<Vec<3>>& points, const std::vector<const Sheet*>& sheets, double noise, double limit)
       : points_(points), sheets_(sheets), limit_(limit), local_(points.size(), kNone) {
-    choose_points(tolerance);
+    choose_points(noise);
     for (const Vec<3>& x : points) center_ += x / static_cast<double>(points.size());
     for (const Index p : moving_) x_.push_back(points[p] - center_);
     for (const Sheet* sheet : sheets) add_plane(*sheet);
@@ -67,13 +67,13 @@ class Incidences {
   };
 
   /// The points of sheets that are not planar, and of those that share points with them.
-  void choose_points(double tolerance) {
+  void choose_points(double noise) {
     std::vector<std::vector<Index>> point_sheets(points_.size());
     std::vector<Index> stack;
     std::vector<char> reached(sheets_.size(), 0);
     for (Index s = 0; s < sheets_.size(); ++s) {
       for (const Index p : sheets_[s]->points) point_sheets[p].push_back(s);
-      if (sheets_[s]->deviation <= tolerance) continue;
+      if (sheets_[s]->deviation <= noise) continue;
       reached[s] = 1;
       stack.push_back(s);
     }
@@ -225,7 +225,7 @@ class Incidences {
 FlatPoints flatten_sheets(const std::vector<Vec<3>>& points, const std::vector<const Sheet*>& sheets, double tolerance,
                           double limit, double told) {
   FlatPoints result{points, {}};
-  Incidences incidences(points, sheets, tolerance, limit);
+  Incidences incidences(points, sheets, kVisibleNoise * tolerance, limit);
   if (incidences.moving().empty()) return result;
   incidences.solve();
   const std::vector<Vec<3>> positions = incidences.positions();
