@@ -17,13 +17,14 @@ namespace {
 struct CheckArguments {
   fs::path mesh;
   std::optional<fs::path> domain;
+  DomainOptions merge;
   CertificateOptions claims;
 };
 
 template <int D>
-Domain<D> read_domain_of(const fs::path& path, Observer& observer) {
+Domain<D> read_domain_of(const fs::path& path, const DomainOptions& options, Observer& observer) {
   const AnyDomainInput any = read_domain(path, observer);
-  if (const auto* const input = std::get_if<DomainInput<D>>(&any)) return build_domain(*input, {}, observer);
+  if (const auto* const input = std::get_if<DomainInput<D>>(&any)) return build_domain(*input, options, observer);
   throw InputError(Fault{.id = "cli.dimension",
                          .message = "the mesh and the domain have different dimensions",
                          .fix = "give the domain that the mesh was made from.",
@@ -33,6 +34,8 @@ Domain<D> read_domain_of(const fs::path& path, Observer& observer) {
 Json options_json(const CheckArguments& arguments) {
   Json json = Json::object();
   if (arguments.domain) json["domain"] = arguments.domain->string();
+  if (arguments.merge.merge_distance) json["merge_distance"] = *arguments.merge.merge_distance;
+  if (arguments.domain) json["merge_angle"] = arguments.merge.merge_angle_deg;
   if (arguments.claims.gradation) json["gradation"] = *arguments.claims.gradation;
   json["packing"] = name_of(kFormNames, arguments.claims.form);
   if (arguments.claims.form != PackingForm::kVoronoi) json["epsilon"] = arguments.claims.epsilon;
@@ -43,7 +46,8 @@ template <int D>
 ExitCode check_mesh(const Mesh<D>& mesh, const CheckArguments& arguments, StageTimes times, Session& session) {
   Observer& observer = session.observer;
   std::optional<Domain<D>> domain;
-  if (arguments.domain) timed(times, "read", [&] { domain = read_domain_of<D>(*arguments.domain, observer); });
+  if (arguments.domain)
+    timed(times, "read", [&] { domain = read_domain_of<D>(*arguments.domain, arguments.merge, observer); });
 
   Report report;
   report.command = "check";
@@ -114,6 +118,7 @@ Command add_check_command(CLI::App& root, CommonOptions& common) {
       ->required();
   app->add_option("--domain", arguments->domain, "Compare with this domain: conformity and volumes")
       ->type_name("DOMAIN");
+  add_merge_options(*app, arguments->merge);
   add_gradation_option(*app, arguments->claims.gradation);
   add_form_options(*app, arguments->claims.form, arguments->claims.epsilon);
   add_common_options(*app, common);

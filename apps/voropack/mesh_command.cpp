@@ -27,6 +27,7 @@ struct MeshArguments {
   double gradation = MeshingOptions<3>{}.gradation;
   double feature_factor = MeshingOptions<3>{}.feature_factor;
 
+  DomainOptions merge;
   PackingOptions packing;
 };
 
@@ -58,6 +59,7 @@ typename SizeWishes<D>::Field read_size_field(const fs::path& path, Observer& ob
 template <int D>
 MeshingOptions<D> meshing_options(const MeshArguments& arguments, const Session& session) {
   MeshingOptions<D> options;
+  options.domain = arguments.merge;
   options.wishes.size = arguments.size;
   options.wishes.spacing = arguments.spacing;
   options.wishes.region_size = sizes_by_id(arguments.region_sizes, "--region-size");
@@ -84,6 +86,8 @@ Json options_json(const MeshArguments& arguments, const MeshingOptions<D>& optio
   for (const auto& [id, size] : options.wishes.marker_size) json["marker_size"][std::to_string(id)] = size;
   if (arguments.size_field) json["size_field"] = arguments.size_field->string();
   if (options.wishes.expression) json["size_expr"] = *options.wishes.expression;
+  if (options.domain.merge_distance) json["merge_distance"] = *options.domain.merge_distance;
+  json["merge_angle"] = options.domain.merge_angle_deg;
   json["gradation"] = options.gradation;
   json["feature_factor"] = options.feature_factor;
   json["packing"] = name_of(kFormNames, options.packing.form);
@@ -223,6 +227,7 @@ Command add_mesh_command(CLI::App& root, CommonOptions& common) {
   app->add_option("--cells", arguments->cells, "Write the control volumes as polyhedra or polygons")
       ->type_name("FILE.vtu");
   add_size_options(*app, *arguments);
+  add_merge_options(*app, arguments->merge);
   add_packing_options(*app, *arguments);
   add_common_options(*app, common);
   app->footer(

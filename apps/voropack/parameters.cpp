@@ -16,6 +16,7 @@ namespace voropack::app {
 namespace {
 
 constexpr std::uint64_t kMaxThreads = 4096;
+constexpr double kMaxMergeAngleDeg = 90;
 constexpr double kMaxGradation = 0.4;  // As SpacingOptions says.
 
 /// The whole of `text` as a number, with an optional leading plus.
@@ -45,6 +46,16 @@ std::optional<int> parse_id(std::string_view text) {
 
 CLI::Validator positive_number(double at_most) {
   return {[at_most](std::string& text) { return number_fault(text, at_most); }, "", "positive"};
+}
+
+CLI::Validator number_below(double below) {
+  return {[below](const std::string& text) -> std::string {
+            const std::optional<double> value = parse_number(text);
+            if (value && *value >= 0 && *value < below) return {};
+            if (std::isinf(below)) return fmt::format("must be a number of at least 0, not '{}'", text);
+            return fmt::format("must be a number of at least 0 and below {}, not '{}'", below, text);
+          },
+          "", "not negative"};
 }
 
 CLI::Validator whole_number(std::uint64_t at_least, std::uint64_t at_most) {
@@ -123,6 +134,21 @@ CLI::Option* add_gradation_option(CLI::App& command, std::optional<double>& grad
       .add_option("--gradation", gradation, "Claimed Lipschitz constant of the spacing, at most 0.4; else measured")
       ->check(positive_number(kMaxGradation))
       ->type_name("B");
+}
+
+void add_merge_options(CLI::App& command, DomainOptions& options) {
+  command
+      .add_option("--merge-distance", options.merge_distance,
+                  "Facets whose points are this near to one plane are one facet, and its points move into the plane;\n"
+                  "without it 1e-5 of the diagonal of the domain's bounding box, or what the file's digits leave open")
+      ->check(number_below())
+      ->type_name("LENGTH");
+  command
+      .add_option("--merge-angle", options.merge_angle_deg,
+                  "Facets whose planes differ by more than this do not become one facet")
+      ->check(number_below(kMaxMergeAngleDeg))
+      ->type_name("DEG")
+      ->capture_default_str();
 }
 
 void add_form_options(CLI::App& command, PackingForm& form, double& epsilon) {

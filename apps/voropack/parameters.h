@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "terminal_observer.h"
+#include "voropack/domain.h"
 #include "voropack/error.h"
 #include "voropack/packing.h"
 
@@ -34,6 +35,12 @@ CLI::Option* add_output_option(CLI::App& command, std::vector<std::filesystem::p
 CLI::Option* add_gradation_option(CLI::App& command, double& gradation);
 CLI::Option* add_gradation_option(CLI::App& command, std::optional<double>& gradation);
 void add_form_options(CLI::App& command, PackingForm& form, double& epsilon);
+
+// Which facets of a domain are taken as coplanar: --merge-distance, --merge-angle.
+void add_merge_options(CLI::App& command, DomainOptions& options);
+
+/// A finite number in [0, below).
+CLI::Validator number_below(double below = std::numeric_limits<double>::infinity());
 
 /// A finite number in (0, at_most]; an infinite `at_most` allows every positive number.
 CLI::Validator positive_number(double at_most = std::numeric_limits<double>::infinity());

@@ -33,6 +33,11 @@ Json input_json(const InputFile& input) {
   set_if_known(json, "segments", input.segments);
   set_if_known(json, "facets", input.facets);
   set_if_known(json, "regions", input.regions);
+  if (input.merge)
+    json["merge"] = {{"distance", input.merge->distance},
+                     {"angle_deg", input.merge->angle_deg},
+                     {"moved", input.merge->n_moved},
+                     {"largest_displacement", input.merge->largest_displacement}};
   return json;
 }
 

@@ -23,6 +23,7 @@ struct InputFile {
   std::optional<std::string> sha256;
   std::optional<int> dimension;
   std::optional<std::uint64_t> points, segments, facets, regions;  ///< Known of a domain only, but for regions.
+  std::optional<PlaneMerge> merge{};
 };
 
 /// Figures of how the packing came about.
@@ -57,6 +58,7 @@ InputFile describe_domain(const std::filesystem::path& path, const Domain<D>& do
   input.segments = domain.segments.size();
   if (D == 3) input.facets = domain.facet_frame.size();
   input.regions = domain.region_id.size();
+  input.merge = domain.merge;
   return input;
 }
 

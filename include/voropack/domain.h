@@ -77,6 +77,14 @@ struct PlaneFrame {
   [[nodiscard]] double height(const Vec<3>& x) const { return dot(x - origin, normal); }
 };
 
+/// What was done so that facets whose points were rounded are planar.
+struct PlaneMerge {
+  double distance = 0;              ///< How far points were allowed to move, in units of the domain.
+  double angle_deg = 0;             ///< How far from parallel facets were merged.
+  std::size_t n_moved = 0;          ///< Points that were moved.
+  double largest_displacement = 0;  ///< The largest distance that one was moved.
+};
+
 /// The piecewise linear system: polytopes of dimension 0 to D, closed under boundary and intersection.
 ///
 /// A *wall* is a (D-1)-polytope: a segment in 2D, a facet in 3D. Its side 0 is where its normal points (in 2D: to the
@@ -114,7 +122,8 @@ struct Domain {
   IdVector<SegmentId, RegionId> segment_region;  ///< none() for a segment on a wall; in 2D always none().
 
   Box<D> box;
-  std::vector<std::string> warnings;  ///< What was merged or dropped.
+  std::optional<PlaneMerge> merge;    ///< Absent if no point was moved.
+  std::vector<std::string> warnings;  ///< What was merged, moved, split or dropped.
   std::string file;                   ///< Where it came from, for messages. May be empty.
 
   [[nodiscard]] std::size_t n_walls() const { return wall_regions.size(); }
@@ -133,12 +142,22 @@ struct DomainOptions {
   double min_angle_deg = 0.0;
   /// Join coplanar facets of the same marker that meet at an edge with no third facet.
   bool merge_coplanar = true;
+  /// Facets are coplanar if all their points are this near to one plane, and a facet is planar if all its points are.
+  /// Points are moved onto these planes by no more than this. A length, in units of the domain. Rounding of doubles is
+  /// tolerated on top. If absent: 1e-5 times the diagonal of the bounding box, or two units of the last digit of the
+  /// largest coordinate if that is more and the coordinates show that they were rounded, to nine decimal digits or
+  /// fewer or to single precision; at most 1e-3 times the diagonal. docs/theory/domain.md has the measurements.
+  std::optional<double> merge_distance = std::nullopt;
+  /// Facets are coplanar only if their planes are this near to parallel. Degrees. Facets thinner than four times the
+  /// merge distance are exempt: noise turns their planes anywhere.
+  double merge_angle_deg = 0.1;
 };
 
 /// Validates and completes `input` to a piecewise linear system.
 ///
 /// Points within `kOnTolerance` of each other are merged, points on segments split them, points and segments on facets
-/// become part of them (both within the same tolerance, see src/geom/tolerance.h). Coplanar facets are joined. Volumes
+/// become part of them (both within the same tolerance, see src/geom/tolerance.h). Points of nearly coplanar facets are
+/// moved into common planes, and coplanar facets are joined. Volumes
 /// are found from the facets' sides; those with a hole seed become holes; those with a region seed take its id; others
 /// are numbered with unused ids from 1 on. A facet whose parts border different regions is cut into one facet for each;
 /// they keep its marker. Method: docs/theory/domain.md.

@@ -6,7 +6,6 @@
 
 #include "base/random.h"
 #include "domain/complex.h"
-#include "domain/plane.h"
 #include "geom/tolerance.h"
 
 namespace voropack::domain_impl {
@@ -215,106 +214,46 @@ std::vector<Index> corners_of(const std::vector<std::uint32_t>& polygon, const s
   return corners;
 }
 
-/// The points that are extreme in eight directions of the plane: one of them is nearly as far from any line as the
-/// farthest point.
-std::vector<Index> extreme_points(const std::vector<Vec<3>>& points, const std::vector<Index>& candidates,
-                                  const PlaneFrame& frame) {
-  std::vector<Index> extremes;
-  constexpr std::array<std::array<int, 2>, 4> kDirections = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
-  for (const auto& [du, dv] : kDirections) {
-    const auto along = [&, du = du, dv = dv](Index p) { return dot(frame.to_plane(points[p]), Vec<2>{du, dv}); };
-    const auto [lo, hi] = std::minmax_element(candidates.begin(), candidates.end(),
-                                              [&](Index p, Index q) { return along(p) < along(q); });
-    extremes.push_back(*lo);
-    extremes.push_back(*hi);
-  }
-  std::sort(extremes.begin(), extremes.end());
-  extremes.erase(std::unique(extremes.begin(), extremes.end()), extremes.end());
-  return extremes;
-}
-
-/// Finds the facet's plane from its largest polygon and measures how far the facet leaves it.
-void fit_plane(const Complex<3>& complex, WorkFacet& facet, const std::vector<std::vector<Index>>& polygons,
-               FaultList<3>& faults) {
-  const Names<3> names(*complex.input);
-  const auto line = complex.input->facets[facet.input].line;
-  Vec<3> normal;
-  const std::vector<Index>* largest = nullptr;
-  for (const auto& polygon : polygons) {
-    const Vec<3> area = area_vector(complex.points, polygon);
-    if (largest == nullptr || norm(area) > norm(normal)) {
-      normal = area;
-      largest = &polygon;
-    }
-  }
-  Box<3> box;
-  if (largest != nullptr)
-    for (const Index p : *largest) box.add(complex.points[p]);
-  if (largest == nullptr || norm(normal) <= 0.5 * complex.tolerance * box.diagonal()) {
-    const Vec<3> place = facet.points.empty() ? Vec<3>{} : complex.points[facet.points.front()];
-    faults.add("zero_size_facet",
-               fmt::format("{} has no area (within the tolerance of {:.3g}) near {}", names.facet(facet.input),
-                           complex.tolerance, text(place)),
-               "remove it, or correct its corners", place, line);
-    return;
-  }
-  Vec<3> center;
-  for (const Index p : *largest) center += complex.points[p] / static_cast<double>(largest->size());
-  std::vector<Vec<3>> positions;
-  for (const Index p : facet.points) positions.push_back(complex.points[p]);
-  facet.frame = plane_frame(normal, center, positions);
-  facet.extremes = extreme_points(complex.points, *largest, facet.frame);
-  double deviation = 0;
-  Index worst = kNone;
-  for (const Index p : facet.points)
-    if (const double h = std::abs(facet.frame.height(complex.points[p])); h > deviation) {
-      deviation = h;
-      worst = p;
-    }
-  if (deviation > complex.tolerance)
-    faults.add("nonplanar_facet",
-               fmt::format("{} is not planar: point {} at {} is {:.3g} away from its plane, more than {:.3g}",
-                           names.facet(facet.input), names.number(complex.point_input[worst]),
-                           text(complex.points[worst]), deviation, complex.tolerance),
-               "move its points into one plane, or split it into triangles", complex.points[worst], line);
-}
-
-void collect_facets(Complex<3>& complex, ParentEdges<3>& parents, FaultList<3>& faults) {
+void collect_facets(Complex<3>& complex, FaultList<3>& faults) {
   for (Index f = 0; f < complex.input->facets.size(); ++f) {
     const auto& given = complex.input->facets[f];
     WorkFacet facet;
     facet.input = f;
     facet.marker = given.marker;
     facet.holes = given.holes;
-    std::vector<std::vector<Index>> polygons;
     for (const auto& polygon : given.polygons) {
-      const std::vector<Index> corners = corners_of(polygon, complex.input_to_point);
+      std::vector<Index> corners = corners_of(polygon, complex.input_to_point);
       facet.points.insert(facet.points.end(), corners.begin(), corners.end());
       const bool wanted_area = polygon.size() > 2;
       if (corners.size() == 1 && !wanted_area) complex.point_listed[corners[0]] = 1;
-      if (corners.size() == 2 && !wanted_area)
-        facet.inner.push_back(parents.add({{corners[0], corners[1]}, {}, true, kNone, f}));
+      if (corners.size() == 2 && !wanted_area) facet.inner_edges.push_back({corners[0], corners[1]});
       if (wanted_area && corners.size() < 3)
         faults.add(
             "zero_size_facet",
             fmt::format("a polygon of {} has fewer than three different corners", Names<3>(*complex.input).facet(f)),
             "remove the polygon, or correct its corners", complex.points[corners.front()], given.line);
-      if (corners.size() < 3) continue;
-      for (std::size_t i = 0; i < corners.size(); ++i)
-        facet.outline.push_back(parents.add({{corners[i], corners[(i + 1) % corners.size()]}, {}, false, kNone, f}));
-      polygons.push_back(corners);
+      if (corners.size() >= 3) facet.polygons.push_back(std::move(corners));
     }
     std::sort(facet.points.begin(), facet.points.end());
     facet.points.erase(std::unique(facet.points.begin(), facet.points.end()), facet.points.end());
-    fit_plane(complex, facet, polygons, faults);
     complex.facets.push_back(std::move(facet));
+  }
+}
+
+void collect_facet_edges(Complex<3>& complex, ParentEdges<3>& parents) {
+  for (WorkFacet& facet : complex.facets) {
+    for (const auto& ends : facet.inner_edges) facet.inner.push_back(parents.add({ends, {}, true, kNone, facet.input}));
+    for (const auto& corners : facet.polygons)
+      for (std::size_t i = 0; i < corners.size(); ++i)
+        facet.outline.push_back(
+            parents.add({{corners[i], corners[(i + 1) % corners.size()]}, {}, false, kNone, facet.input}));
   }
 }
 
 }  // namespace
 
 template <int D>
-void collect_elements(Complex<D>& complex, FaultList<D>& faults) {
+void collect_elements(Complex<D>& complex, const DomainOptions& options, FaultList<D>& faults) {
   const Names<D> names(*complex.input);
   ParentEdges<D> parents(complex);
   for (Index s = 0; s < complex.input->segments.size(); ++s) {
@@ -329,7 +268,11 @@ void collect_elements(Complex<D>& complex, FaultList<D>& faults) {
     else
       parents.add({ends, given.marker, true, s, kNone});
   }
-  if constexpr (D == 3) collect_facets(complex, parents, faults);
+  if constexpr (D == 3) {
+    collect_facets(complex, faults);
+    find_planes(complex, options, faults);
+    collect_facet_edges(complex, parents);
+  }
 }
 
 template <int D>
@@ -351,7 +294,7 @@ template struct Complex<2>;
 template struct Complex<3>;
 template Complex<2> collect_points(const DomainInput<2>&, FaultList<2>&);
 template Complex<3> collect_points(const DomainInput<3>&, FaultList<3>&);
-template void collect_elements(Complex<2>&, FaultList<2>&);
-template void collect_elements(Complex<3>&, FaultList<3>&);
+template void collect_elements(Complex<2>&, const DomainOptions&, FaultList<2>&);
+template void collect_elements(Complex<3>&, const DomainOptions&, FaultList<3>&);
 
 }  // namespace voropack::domain_impl

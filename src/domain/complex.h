@@ -34,13 +34,17 @@ struct WorkSegment {
   bool listed = false;
 };
 
-/// An input facet in terms of points and parent edges.
+/// An input facet, or a triangle of one that was split, in terms of points and parent edges.
 struct WorkFacet {
   Index input = kNone;
   std::optional<int> marker;
-  std::vector<Index> outline;  ///< Parent edges of its polygons, as often as they occur.
-  std::vector<Index> inner;    ///< Parent edges that it lists as segments inside.
-  std::vector<Index> points;   ///< All that it names, sorted.
+  std::vector<std::vector<Index>> polygons;       ///< With three corners or more.
+  std::vector<std::array<Index, 2>> inner_edges;  ///< Its polygons with two.
+  double area = 0;                                ///< Of its largest polygon.
+  std::optional<Index> sheet;                     ///< Facets of the same sheet have the same plane.
+  std::vector<Index> outline;                     ///< Parent edges of its polygons, as often as they occur.
+  std::vector<Index> inner;                       ///< Parent edges that it lists as segments inside.
+  std::vector<Index> points;                      ///< All that it names, sorted.
   std::vector<Vec<3>> holes;
   PlaneFrame frame;
   std::vector<Index> extremes;  ///< Some of its points, among them one that is nearly farthest from any line.
@@ -58,6 +62,7 @@ struct Complex {
   Box<D> box;
   double tolerance = 0;  ///< A point this near to something lies on it.
   std::vector<std::string> warnings;
+  std::optional<PlaneMerge> merge;  ///< What moving points to common planes did.
 
   std::vector<Vec<D>> points;         ///< Farther than `tolerance` from each other.
   std::vector<Index> point_input;     ///< The first input point there.
@@ -93,7 +98,11 @@ Complex<D> collect_points(const DomainInput<D>& input, FaultList<D>& faults);
 
 /// Makes parent edges and facets with their planes; finds elements without extent and facets that are not planar.
 template <int D>
-void collect_elements(Complex<D>& complex, FaultList<D>& faults);
+void collect_elements(Complex<D>& complex, const DomainOptions& options, FaultList<D>& faults);
+
+/// Finds the planes of facets and moves points onto the planes that facets share. A facet whose points cannot be moved
+/// so is replaced by triangles. Finds facets without area and facets that are not planar within the merge distance.
+void find_planes(Complex<3>& complex, const DomainOptions& options, FaultList<3>& faults);
 
 /// Splits parent edges at the points on them and finds segments that cross.
 template <int D>

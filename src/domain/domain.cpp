@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "domain/angles.h"
@@ -164,10 +165,11 @@ void triangulate_facet(const Complex<3>& complex, const MergedFacets& merged, In
   }
   const PlanarTriangulation plane = triangulate_plane(problem);
   if (!plane.conflicts.empty() || plane.triangles.empty())
-    throw InternalError(Fault{.id = "domain.facet_triangulation",
-                              .message = fmt::format("the facet from input facet {} cannot be triangulated",
-                                                     group.first_facet + complex.input->first_index),
-                              .fix = "report this with the input file"});
+    throw InternalError(
+        Fault{.id = "domain.facet_triangulation",
+              .message = fmt::format("the facet from input facet {} cannot be triangulated",
+                                     complex.facets[group.first_facet].input + complex.input->first_index),
+              .fix = "report this with the input file"});
   std::vector<std::array<PointId, 3>> triangles;
   for (const auto& [a, b, c] : plane.triangles)
     triangles.push_back({new_id[points[a]], new_id[points[b]], new_id[points[c]]});
@@ -213,14 +215,15 @@ void add_facets(const Complex<3>& complex, const MergedFacets& merged, const std
   for (Index g = 0; g < n; ++g) {
     const FacetGroup& group = merged.groups[g];
     triangulate_facet(complex, merged, g, group_chains[g], group_points, new_id, domain);
-    domain.facet_marker.push_back(numbers.number(group.marker, group.first_facet));
+    const Index first = complex.facets[group.first_facet].input;
+    domain.facet_marker.push_back(numbers.number(group.marker, first));
     const Index piece = group.pieces.front();
     auto regions = side_region[piece];
     if (dot(group.frame.normal, complex.facets[complex.pieces[piece].facet].frame.normal) < 0)
       std::swap(regions[0], regions[1]);
     domain.wall_regions.push_back(regions);
-    names.facet.push_back(Names<3>(*complex.input).facet(group.first_facet));
-    names.facet_line.push_back(complex.input->facets[group.first_facet].line);
+    names.facet.push_back(Names<3>(*complex.input).facet(first));
+    names.facet_line.push_back(complex.input->facets[first].line);
   }
 }
 
@@ -304,10 +307,18 @@ Domain<D> build_domain(const DomainInput<D>& input, const DomainOptions& options
     throw OptionError(Fault{.id = "domain.bad_option",
                             .message = fmt::format("min_angle_deg is {}", options.min_angle_deg),
                             .fix = "give an angle between 0 and 180 degrees; 0 accepts all"});
+  if (options.merge_distance && !(*options.merge_distance >= 0 && std::isfinite(*options.merge_distance)))
+    throw OptionError(Fault{.id = "domain.bad_option",
+                            .message = fmt::format("merge_distance is {}", *options.merge_distance),
+                            .fix = "give a length that is not negative"});
+  if (!(options.merge_angle_deg >= 0 && options.merge_angle_deg < 90))
+    throw OptionError(Fault{.id = "domain.bad_option",
+                            .message = fmt::format("merge_angle_deg is {}", options.merge_angle_deg),
+                            .fix = "give an angle of at least 0 and less than 90 degrees"});
   observer.begin_stage("domain");
   FaultList<D> faults(input);
   Complex<D> complex = collect_points(input, faults);
-  collect_elements(complex, faults);
+  collect_elements(complex, options, faults);
   faults.throw_if_any();
   observer.check_cancelled();
   split_segments(complex, faults);
@@ -320,6 +331,7 @@ Domain<D> build_domain(const DomainInput<D>& input, const DomainOptions& options
   check_angles(domain, names, options.min_angle_deg, faults);
   faults.throw_if_any();
   domain.file = input.file;
+  domain.merge = complex.merge;
   domain.warnings = complex.warnings;
   for (const std::string& warning : domain.warnings) observer.log(LogLevel::kWarning, warning);
   return domain;

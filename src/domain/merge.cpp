@@ -111,14 +111,16 @@ class Merger {
       for (const Index piece : result_.groups[g].pieces) result_.piece_group[piece] = g;
   }
 
-  /// The frame of the only input facet, or that of all pieces' area; oriented as the first input facet.
+  /// The frame of the only input facet or sheet, or that of all pieces' area; oriented as the first input facet.
   [[nodiscard]] PlaneFrame frame_of(const FacetGroup& group) const {
     const WorkFacet& first = complex_.facets[group.first_facet];
     const Index largest = *std::max_element(group.pieces.begin(), group.pieces.end(), [&](Index a, Index b) {
       return std::pair(complex_.pieces[a].area, b) < std::pair(complex_.pieces[b].area, a);
     });
-    const bool single = std::all_of(group.pieces.begin(), group.pieces.end(),
-                                    [&](Index piece) { return complex_.pieces[piece].facet == group.first_facet; });
+    const bool single = std::all_of(group.pieces.begin(), group.pieces.end(), [&](Index piece) {
+      const Index f = complex_.pieces[piece].facet;
+      return f == group.first_facet || (first.sheet && complex_.facets[f].sheet == first.sheet);
+    });
     if (single) return first.frame;
     const Vec<3> up = facet_of(largest).frame.normal;
     Vec<3> area, center;

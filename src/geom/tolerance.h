@@ -17,6 +17,14 @@ inline constexpr double kOnTolerance = 1e-9;
 /// Facets this near to parallel (radians) whose points lie within kOnTolerance of one plane are coplanar.
 inline constexpr double kCoplanarAngle = 1e-6;
 
+/// Facets whose points are this near to one plane, relative to the domain's diameter, are meant to be coplanar: text
+/// with six significant digits leaves points up to 5e-6 off their plane. docs/theory/domain.md has the measurements.
+inline constexpr double kMergeDistance = 1e-5;
+
+/// Coordinates that are rounded more coarsely than that, since they are far from the origin, are believed to mean so up
+/// to this, relative to the domain's diameter. Beyond, the user has to say so.
+inline constexpr double kMaxDefaultMergeDistance = 1e-3;
+
 /// A new point must stay this far outside of a protecting ball of radius R, as power relative to R^2, so that no tie
 /// decides whether the protected simplex is Delaunay.
 inline constexpr double kBallMargin = 1e-9;

@@ -23,6 +23,43 @@ class Mesh(CommandLineTest):
                     self.assertEqual(report["options"]["packing"], packing)
                     self.assertEqual("epsilon" in report["options"], packing != "voronoi")
 
+    def rounded_box(self, noise=0.0):
+        """A box that is turned about the z axis, as text STL of six digits; one corner is moved by `noise`."""
+        corners = [(0.8 * x - 0.6 * y + 0.123457, 0.6 * x + 0.8 * y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+        turned = [(x, 0.28 * y - 0.96 * z, 0.96 * y + 0.28 * z) for x, y, z in corners]
+        turned[7] = tuple(c + noise for c in turned[7])
+        text = "solid box\n"
+        for a, b, c, d in [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]:
+            for triangle in [(a, b, c), (a, c, d)]:
+                vertices = "".join("vertex {:.6g} {:.6g} {:.6g}\n".format(*(v / 0.7 for v in turned[i])) for i in triangle)
+                text += f"facet normal 0 0 0\nouter loop\n{vertices}endloop\nendfacet\n"
+        return text + "endsolid box\n"
+
+    def test_rounded_facets_are_merged_and_reported(self):
+        self.write("box.stl", self.rounded_box())
+        self.succeed("mesh", "box.stl", "-o", "a.node", "--size", "0.7", "--report", "report.json")
+        report = self.report()
+        self.assertEqual((report["input"]["points"], report["input"]["segments"], report["input"]["facets"]), (8, 12, 6))
+        merge = report["input"]["merge"]
+        self.assertEqual(set(merge), {"distance", "angle_deg", "moved", "largest_displacement"})
+        self.assertGreater(merge["moved"], 0)
+        self.assertTrue(0 < merge["largest_displacement"] <= merge["distance"])
+        self.assertEqual(merge["angle_deg"], 0.1)
+        self.assert_certified(report["certificate"])
+        self.succeed("check", "a.node", "--domain", "box.stl", "--report", "check.json")
+        self.assertEqual(self.report("check.json")["domain"]["merge"], merge)
+
+    def test_more_noise_needs_a_larger_merge_distance(self):
+        self.write("box.stl", self.rounded_box(1e-3))
+        wide = ["--merge-distance", "0.01", "--merge-angle", "1"]
+        self.succeed("mesh", "box.stl", "-o", "a.node", "--size", "0.7", "--report", "report.json", *wide)
+        report = self.report()
+        self.assertEqual(report["input"]["facets"], 6)
+        self.assertGreater(report["input"]["merge"]["largest_displacement"], 1e-4)
+        self.assertEqual(report["options"]["merge_distance"], 0.01)
+        self.assertEqual(report["options"]["merge_angle"], 1)
+        self.succeed("check", "a.node", "--domain", "box.stl", *wide)
+
     def test_random_interior(self):
         report = self.mesh(box_poly(), "--size", "0.3", "--interior", "random")
         self.assertEqual(report["options"]["interior"], "random")

@@ -21,7 +21,7 @@ class Help(CommandLineTest):
 
     def test_mesh_help_shows_defaults(self):
         text = self.succeed("mesh", "--help").stdout
-        for default in [r"B=0\.\d", r"A=0\.\d", "FORM=voronoi", r"E=0\.25", "KIND=lattice", "N=100000000"]:
+        for default in [r"B=0\.\d", r"A=0\.\d", "FORM=voronoi", r"E=0\.25", "KIND=lattice", "N=100000000", r"DEG=0\.1"]:
             self.assertRegex(text, default)
 
     def test_version(self):
