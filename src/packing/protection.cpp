@@ -130,7 +130,8 @@ auto Protection<D>::between_pages(const Intrusion<D>& it, SegmentId spine, const
 
 template <int D>
 auto Protection<D>::adapt(const Intrusion<D>& it, const Spacing<D>& spacing) -> Cap {
-  if (it.apex && incidence.common_points(it.carrier, it.ball_carrier).empty()) {
+  if (it.apex && before_.corners.contains(*it.apex) &&
+      incidence.common_points(it.carrier, it.ball_carrier).empty()) {
     corners.at(*it.apex) = kCornerShrink * before_.corners.at(*it.apex);
     return std::nullopt;
   }

@@ -114,12 +114,13 @@ class StrandPacker {
     const LocalSpacing<1> along{[&](const Vec<1>& x) { return least(x[0]); }, {}, spacing_.lipschitz()};
     std::vector<double> positions = equidistribute(end, along);
     if (!is_full && end >= least(0) + least(end)) positions.push_back(end);
-    const double wobble = jitter_ * (1 - std::cos(tie.angle));
     for (std::size_t m = 0; m < tie.ends.size(); ++m) {
       const StrandEnd& e = tie.ends[m];
       auto& shells = shells_[e.strand][e.is_far ? 1 : 0];
       for (std::size_t k = 0; k < positions.size(); ++k) {
-        const double f = least(positions[k]);
+        // Two equal distances t leave room for moves of t^2 (1 - cos angle) / f.
+        const double f = least(positions[k]), t_over_f = (tie.start + positions[k]) / f;
+        const double wobble = jitter_ * std::min(1.0, (1 - std::cos(tie.angle)) * t_over_f * t_over_f);
         const double noise = 2 * to_unit(hash_words(seed_, e.strand, e.is_far, k)) - 1;
         shells.push_back({positions[k] + wobble * f * noise, f * (1 - 2 * wobble)});
       }
