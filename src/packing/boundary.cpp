@@ -208,7 +208,7 @@ class BoundaryPacker {
         const Vec<3> x = point_of_arc(domain_, fan, radius, t);
         rim.push_back(add(x, std::min(r, spacing_(x)), PolytopeId(fan.facet)));
         start.spheres.push_back(rim.back());
-        apex_[rim.back()] = fan.apex;
+        corner_of_sphere_[rim.back()] = fan.apex;
       };
       if (fan.sector.first.is_none()) append(0, std::numeric_limits<double>::infinity());
       for (std::size_t k = 0; k < fan.arc.position.size(); ++k) append(fan.arc.position[k], fan.arc.radius[k]);
@@ -224,7 +224,7 @@ class BoundaryPacker {
   SphereId rim_sphere(SegmentId s, PointId corner) {
     const auto chain = spheres_of_segment_[s];
     const SphereId rim = domain_.segments[s][0] == corner ? chain[1] : chain[chain.size() - 2];
-    apex_[rim] = corner;
+    corner_of_sphere_[rim] = corner;
     return rim;
   }
 
@@ -343,16 +343,16 @@ class BoundaryPacker {
 
   void answer(SphereId s, std::uint32_t ball) {
     const Intrusion<D> intrusion{packing().center[s], packing().carrier[s], result_.balls[ball], carrier_of(ball),
-                                 apex_of(s, ball)};
+                                 corner_of(s), corner_of_ball(ball)};
     const auto cap = protection_.adapt(intrusion, spacing_);
     if (getenv("DBG")) {
       const auto& q = intrusion;
       fprintf(stderr, "x(%d:%d) in (%d:%d) R %.3g at", (int)q.carrier.dimension, (int)q.carrier.index,
               (int)q.ball_carrier.dimension, (int)q.ball_carrier.index, q.ball.radius);
       for (int k = 0; k < D; ++k) fprintf(stderr, " %.4g", q.ball.center[k]);
-      fprintf(stderr, " d/R %.4f f %.3g  %s %.3g apex %d\n", distance(q.position, q.ball.center) / q.ball.radius,
+      fprintf(stderr, " d/R %.4f f %.3g  %s %.3g corner %d %d\n", distance(q.position, q.ball.center) / q.ball.radius,
               spacing_(q.ball.center), cap ? "cap" : "protect", cap ? cap->value / spacing_(cap->center) : 0.0,
-              q.apex ? (int)q.apex->value() : -1);
+              q.center_corner ? (int)q.center_corner->value() : -1, q.ball_corner ? (int)q.ball_corner->value() : -1);
     }
     if (cap)
       result_.faults.push_back(*cap);
@@ -365,14 +365,17 @@ class BoundaryPacker {
     return ball < p.subsegments.size() ? p.subsegments[ball].carrier : p.subfacets[ball - p.subsegments.size()].carrier;
   }
 
-  /// The corner whose fan the ball or the center belongs to.
-  [[nodiscard]] std::optional<PointId> apex_of(SphereId s, std::uint32_t ball) const {
-    if (const auto it = apex_.find(s); it != apex_.end()) return it->second;
+  [[nodiscard]] std::optional<PointId> corner_of(SphereId s) const {
+    const auto it = corner_of_sphere_.find(s);
+    return it == corner_of_sphere_.end() ? std::nullopt : std::optional(it->second);
+  }
+
+  [[nodiscard]] std::optional<PointId> corner_of_ball(std::uint32_t ball) const {
     const auto& p = result_.packing;
-    if (ball >= p.subsegments.size())
-      for (const SphereId corner : p.subfacets[ball - p.subsegments.size()].spheres)
-        if (corner.value() < domain_.points.size() && protection_.corner_radius(PointId(corner.value())) > 0)
-          return PointId(corner.value());
+    if (ball < p.subsegments.size()) return std::nullopt;
+    for (const SphereId s : p.subfacets[ball - p.subsegments.size()].spheres)
+      if (s.value() < domain_.points.size() && protection_.corner_radius(PointId(s.value())) > 0)
+        return PointId(s.value());
     return std::nullopt;
   }
 
@@ -412,7 +415,7 @@ class BoundaryPacker {
   Csr<SegmentId, SphereId> spheres_of_segment_;
   std::vector<FacetStart> starts_;                ///< By facet.
   std::vector<std::unique_ptr<BookZone>> zones_;  ///< Reserved areas refer to them.
-  std::map<SphereId, PointId> apex_;              ///< Of centers on the spheres of corners.
+  std::map<SphereId, PointId> corner_of_sphere_;              ///< Of centers on the spheres of corners.
 };
 
 }  // namespace

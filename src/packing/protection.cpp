@@ -11,7 +11,7 @@ namespace {
 
 /// A corner's radius in f at the corner: room for two spheres, and for arcs of 45 degrees between them.
 constexpr double kCornerRadius = 2.7;
-/// Of the shortest segment at a corner, its sphere gets at most this part.
+/// A corner's sphere reaches at most this part of the way along its segments, and to others of its facets.
 constexpr double kCornerShare = 0.4;
 /// A point shared by two polytopes is protected when they fail within this many ball radii of it; farther away
 /// smaller spheres are cheaper.
@@ -73,8 +73,29 @@ bool Protection<D>::open_corner(PointId p, const Spacing<D>& spacing) {
     const auto [a, b] = domain_.segments[s];
     radius = std::min(radius, kCornerShare * distance(domain_.points[a], domain_.points[b]));
   }
+  for (const FacetId f : incidence.facets_at(p))
+    for (const SegmentId s : domain_.facet_segments[f]) {
+      const auto [a, b] = domain_.segments[s];
+      if (a == p || b == p) continue;
+      const Vec<D> start = domain_.points[a], along = domain_.points[b] - start, x = domain_.points[p];
+      radius = std::min(radius, kCornerShare * distance(x, start + nearest_parameter(x, start, start + along) * along));
+    }
   corners.emplace(p, radius);
   return true;
+}
+
+/// A corner's sphere that reaches something which does not touch the corner is too large.
+template <int D>
+bool Protection<D>::shrink_corner(const Intrusion<D>& it) {
+  const auto shrink_if_foreign = [&](const std::optional<PointId>& corner, PolytopeId other) {
+    if (!corner || incidence.contains(other, PolytopeId(*corner))) return false;
+    const auto before = before_.corners.find(*corner);
+    if (before == before_.corners.end()) return false;
+    corners.at(*corner) = kCornerShrink * before->second;
+    return true;
+  };
+  const bool by_center = shrink_if_foreign(it.center_corner, it.ball_carrier);
+  return shrink_if_foreign(it.ball_corner, it.carrier) || by_center;
 }
 
 template <int D>
@@ -130,11 +151,7 @@ auto Protection<D>::between_pages(const Intrusion<D>& it, SegmentId spine, const
 
 template <int D>
 auto Protection<D>::adapt(const Intrusion<D>& it, const Spacing<D>& spacing) -> Cap {
-  if (it.apex && before_.corners.contains(*it.apex) &&
-      incidence.common_points(it.carrier, it.ball_carrier).empty()) {
-    corners.at(*it.apex) = kCornerShrink * before_.corners.at(*it.apex);
-    return std::nullopt;
-  }
+  if (shrink_corner(it)) return std::nullopt;
   const bool is_tie = std::abs(distance(it.position, it.ball.center) - it.ball.radius) < kTie * it.ball.radius;
   if (is_tie && it.carrier.dimension == 1 && !before_.shaken.contains(SegmentId(it.carrier.index))) {
     shaken.insert(SegmentId(it.carrier.index));

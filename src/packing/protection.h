@@ -60,7 +60,8 @@ struct Intrusion {
   PolytopeId carrier;
   Ball<D> ball;
   PolytopeId ball_carrier;
-  std::optional<PointId> apex;  ///< The corner whose fan the ball or the center belongs to.
+  std::optional<PointId> center_corner;  ///< The corner on whose sphere the center is.
+  std::optional<PointId> ball_corner;    ///< The corner whose fan the ball belongs to.
 };
 
 template <int D>
@@ -95,6 +96,7 @@ class Protection {
   /// f must shrink so that the ball's radius becomes `wanted`.
   Cap shrink(const Intrusion<D>& it, double wanted, const Spacing<D>& spacing);
   bool open_corner(PointId p, const Spacing<D>& spacing);
+  bool shrink_corner(const Intrusion<D>& it);
   [[nodiscard]] double height(const Intrusion<D>& it) const;
 
   struct State {
