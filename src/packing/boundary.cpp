@@ -342,18 +342,9 @@ class BoundaryPacker {
   }
 
   void answer(SphereId s, std::uint32_t ball) {
-    const Intrusion<D> intrusion{packing().center[s], packing().carrier[s], result_.balls[ball], carrier_of(ball),
-                                 corner_of(s), corner_of_ball(ball)};
+    const Intrusion<D> intrusion{packing().center[s], packing().carrier[s], result_.balls[ball],
+                                 carrier_of(ball),    corner_of(s),         corner_of_ball(ball)};
     const auto cap = protection_.adapt(intrusion, spacing_);
-    if (getenv("DBG")) {
-      const auto& q = intrusion;
-      fprintf(stderr, "x(%d:%d) in (%d:%d) R %.3g at", (int)q.carrier.dimension, (int)q.carrier.index,
-              (int)q.ball_carrier.dimension, (int)q.ball_carrier.index, q.ball.radius);
-      for (int k = 0; k < D; ++k) fprintf(stderr, " %.4g", q.ball.center[k]);
-      fprintf(stderr, " d/R %.4f f %.3g  %s %.3g corner %d %d\n", distance(q.position, q.ball.center) / q.ball.radius,
-              spacing_(q.ball.center), cap ? "cap" : "protect", cap ? cap->value / spacing_(cap->center) : 0.0,
-              q.center_corner ? (int)q.center_corner->value() : -1, q.ball_corner ? (int)q.ball_corner->value() : -1);
-    }
     if (cap)
       result_.faults.push_back(*cap);
     else
@@ -415,7 +406,7 @@ class BoundaryPacker {
   Csr<SegmentId, SphereId> spheres_of_segment_;
   std::vector<FacetStart> starts_;                ///< By facet.
   std::vector<std::unique_ptr<BookZone>> zones_;  ///< Reserved areas refer to them.
-  std::map<SphereId, PointId> corner_of_sphere_;              ///< Of centers on the spheres of corners.
+  std::map<SphereId, PointId> corner_of_sphere_;  ///< Of centers on the spheres of corners.
 };
 
 }  // namespace

@@ -45,8 +45,8 @@ struct PackedStrand {
   double tied_end = 0;           ///< The same from the far end.
 };
 
-/// How much tied centers move at random, relative to the room that their angle leaves: exact copies would be cocircular,
-/// and rounding would decide how they are triangulated. Small enough that nothing encroaches.
+/// How much tied centers move at random, relative to the room that their angle leaves: exact copies would be
+/// cocircular, and rounding would decide how they are triangulated. Small enough that nothing encroaches.
 inline constexpr double kTieJitter = 0.01;
 
 /// `jitter`: kTieJitter, or 0 for exact copies.
