@@ -155,7 +155,7 @@ void expect_certified_anywhere(const Case<D>& c, std::uint64_t seed) {
 TEST(SharpAngles2, AnywhereAndInAnyOrder) {
   expect_certified_anywhere(sharp::fan(5, 5), 1);
   expect_certified_anywhere(sharp::sliver(5), 2);
-  expect_certified_anywhere(sharp::heap<2>(8, 0.4, 3), 3);
+  expect_certified_anywhere(sharp::heap<2>(16, 0.35, 11), 3);
 }
 TEST(SharpAngles3, AnywhereAndInAnyOrder) {
   expect_certified_anywhere(sharp::wedge(20), 1);
