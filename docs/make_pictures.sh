@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README with the program itself: docs/pictures/*.svg.
+# Makes the pictures of the README and the docs with the program itself: docs/pictures/*.svg.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 work=$(mktemp -d)
@@ -7,3 +7,6 @@ trap 'rm -rf "$work"' EXIT
 
 "$here/../run" mesh "$here/../examples/domains/plate.poly" -o "$work/plate.node" --size 0.35 --region-size 2=0.2 --quiet
 "$here/../run" plot "$work/plate.node" -o "$here/pictures/plate.svg"
+
+"$here/../run" mesh "$here/../examples/domains/cracks.poly" -o "$work/cracks.node" --quiet
+"$here/../run" plot "$work/cracks.node" -o "$here/pictures/cracks.svg"

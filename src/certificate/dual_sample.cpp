@@ -100,7 +100,9 @@ std::vector<EdgeShare> recompute(const Subject<D>& subject, const Stars& stars, 
   std::vector<EdgeShare> shares;
   for (std::uint64_t at = stars.offsets[k]; at < stars.offsets[k + 1]; ++at) {
     const std::uint32_t s = stars.simplices[at];
-    const std::array<Vec<D>, D + 1> p = subject.topology.corners(s);
+    // Seen from v: far from the origin a circumcenter's own coordinates are too coarse.
+    std::array<Vec<D>, D + 1> p = subject.topology.corners(s);
+    for (Vec<D>& x : p) x = x - subject.point(v);
     const Circumball<D> ball = circumball<D>(p);
     const auto& corners = subject.mesh.simplex_vertices[SimplexId(s)];
     const auto i = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), VertexId(v)) - corners.begin());

@@ -1,5 +1,5 @@
 // Books: pages that meet at a small angle along a segment, the spine. Near to the spine all of them carry the same
-// centers, turned about it; then no center encroaches upon another page, whatever the angle (docs/theory/packing.md,
+// centers, turned about it; then no center encroaches upon another page, whatever the angle (docs/theory/sharp.md,
 // T4).
 #pragma once
 

@@ -20,10 +20,6 @@ namespace voropack {
 
 namespace {
 
-/// Polytopes that meet at less than this angle (radians) form a sharp feature: what is on both of them may be nearer to
-/// each other than f-spheres allow.
-constexpr double kSharpAngle = std::numbers::pi / 3;
-
 /// Centers of a segment that were cocircular by symmetry with others move by this much, relative to f.
 constexpr double kSegmentJitter = 1e-4;
 
@@ -370,12 +366,6 @@ class BoundaryPacker {
     return std::nullopt;
   }
 
-  /// Spheres on two polytopes that meet at a small angle may overlap: they are as far apart as the angle allows.
-  [[nodiscard]] bool may_overlap(PolytopeId a, PolytopeId b) const {
-    const std::optional<double> angle = protection_.incidence.meeting_angle(a, b);
-    return angle && *angle < kSharpAngle;
-  }
-
   void find_overlaps() {
     if (packing().center.empty()) return;
     SphereSet<D> set(domain_.box.center(), spacing_.lipschitz(), packing().radius[SphereId(0)]);
@@ -384,7 +374,8 @@ class BoundaryPacker {
     parallel_for(set.size(), [&](std::size_t i) {
       set.visit_near(set[i].center, set[i].radius, [&](std::uint32_t j) {
         if (j >= i || !SphereSet<D>::overlap(set[j], set[i].center, set[i].radius)) return false;
-        if (may_overlap(packing().carrier[SphereId(i)], packing().carrier[SphereId(j)])) return false;
+        if (protection_.incidence.form_sharp_feature(packing().carrier[SphereId(i)], packing().carrier[SphereId(j)]))
+          return false;
         partner[i] = j;
         return true;
       });

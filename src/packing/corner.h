@@ -1,6 +1,6 @@
 // Corners: points around which every facet starts with a fan of triangles to centers on one sphere. The protecting ball
 // of such a triangle holds a point of the sphere only if that point is in the cap over the triangle's arc, so that a
-// corner of any shape is a packing problem of arcs (docs/theory/packing.md, T5).
+// corner of any shape is a packing problem of arcs (docs/theory/sharp.md, T5).
 #pragma once
 
 #include <vector>

@@ -188,6 +188,13 @@ std::optional<double> Incidence<D>::meeting_angle(PolytopeId a, PolytopeId b) co
   return least;
 }
 
+template <int D>
+bool Incidence<D>::form_sharp_feature(PolytopeId a, PolytopeId b) const {
+  if (a.dimension >= D || b.dimension >= D) return false;
+  const std::optional<double> angle = meeting_angle(a, b);
+  return angle && *angle < kSharpAngle;
+}
+
 template class Incidence<2>;
 template class Incidence<3>;
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct Sector {
   double begin = 0, end = 0;  ///< Angles in the facet's frame, begin < end <= begin + 2 pi.
   SegmentId first, second;    ///< The segments along the two directions; none() if the facet has none there.
 };
+
+/// Polytopes that meet at less than this angle (radians), neither in the other, form a sharp feature.
+inline constexpr double kSharpAngle = std::numbers::pi / 3;
 
 template <int D>
 class Incidence {
@@ -48,6 +52,9 @@ class Incidence {
   /// The smallest angle in radians between two polytopes of dimension 1 or 2 where they meet; nothing if they do not
   /// meet or one is in the other. Two facets with common segments are measured there only.
   [[nodiscard]] std::optional<double> meeting_angle(PolytopeId a, PolytopeId b) const;
+  /// True if both are segments or facets and meet below kSharpAngle: what is on them may be nearer to each other than
+  /// f-spheres allow.
+  [[nodiscard]] bool form_sharp_feature(PolytopeId a, PolytopeId b) const;
 
  private:
   [[nodiscard]] std::span<const PointId> points_of(PolytopeId p) const;

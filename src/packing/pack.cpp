@@ -8,6 +8,7 @@
 #include "base/random.h"
 #include "geom/circumball.h"
 #include "packing/boundary.h"
+#include "packing/incidence.h"
 #include "spheres/pack_interior.h"
 #include "voropack/packing.h"
 
@@ -174,11 +175,15 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
 template <int D>
 std::string find_packing_fault(const Packing<D>& packing, const Domain<D>& domain, const Spacing<D>& spacing) {
   const Spacing<D> f = packing.repairs.empty() ? spacing : spacing.with_caps(packing.repairs);
+  const Incidence<D> incidence(domain);
   SphereSet<D> set(domain.box.center(), spacing.lipschitz(), packing.radius[SphereId(0)]);
   for (const SphereId s : ids(packing.center)) {
     if (packing.radius[s] != f(packing.center[s])) return fmt::format("sphere {}: its radius is not f", s.value());
-    if (set.conflicts(packing.center[s], packing.radius[s]))
-      return fmt::format("sphere {} overlaps another", s.value());
+    const bool overlaps = set.visit_near(packing.center[s], packing.radius[s], [&](std::uint32_t t) {
+      return SphereSet<D>::overlap(set[t], packing.center[s], packing.radius[s]) &&
+             !incidence.form_sharp_feature(packing.carrier[s], packing.carrier[SphereId(t)]);
+    });
+    if (overlaps) return fmt::format("sphere {} overlaps another", s.value());
     set.add({packing.center[s], packing.radius[s]});
   }
   BallSet<D> balls(domain.box.center());

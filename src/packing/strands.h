@@ -30,7 +30,7 @@ struct StrandEnd {
 };
 
 /// Strands that leave one point at small angles. Points at equal distances from it never encroach upon each other
-/// (docs/theory/packing.md, T3), so the strands carry the same distances until they are far enough apart.
+/// (docs/theory/sharp.md, T3), so the strands carry the same distances until they are far enough apart.
 struct Tie {
   std::vector<StrandEnd> ends;
   double angle = 0;  ///< Smallest angle between two of the strands, radians.

@@ -1,2 +1,6 @@
 voropack_test(packing_test unit/packing_test.cpp)
 voropack_test(packing_spacing_test property/packing_spacing_test.cpp)
+voropack_test(sharp_angles_test property/sharp_angles_test.cpp)
+voropack_test(incidence_test unit/incidence_test.cpp)
+voropack_test(strands_test unit/strands_test.cpp)
+voropack_test(protection_test unit/protection_test.cpp)

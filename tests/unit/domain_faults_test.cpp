@@ -28,6 +28,8 @@ std::vector<Fault> faults_of(const DomainInput<D>& input, const DomainOptions& o
   return {};
 }
 
+constexpr DomainOptions kAtSixty{.min_angle_deg = 60};
+
 /// The first fault with this id; fails the test if there is none, or if it does not say how to mend it.
 template <int D>
 Fault expect_fault(const DomainInput<D>& input, const std::string& id, const DomainOptions& options = {}) {
@@ -271,12 +273,19 @@ TEST(DomainFaults, SeedsInOneVolumeAgree) {
   expect_fault(square, "seed_conflict");
 }
 
+TEST(DomainFaults, NoAngleIsTooSmallUnlessALimitIsSet) {
+  DomainInput<2> triangle;
+  domains::add_loop(triangle, {Vec<2>{0, 0}, Vec<2>{1, 0}, Vec<2>{0.6, 1e-4}});
+  EXPECT_TRUE(faults_of(triangle).empty());
+  EXPECT_EQ(faults_of(triangle, kAtSixty).size(), 2U);
+}
+
 TEST(DomainFaults, AnglesBetweenSegmentsReachTheLimit) {
   DomainInput<2> triangle;
   domains::add_loop(triangle, {Vec<2>{0, 0}, Vec<2>{4, 0}, Vec<2>{0, 1}});
-  const auto faults = faults_of(triangle);
+  const auto faults = faults_of(triangle, kAtSixty);
   ASSERT_EQ(faults.size(), 1U);
-  const Fault fault = expect_fault(triangle, "small_angle");
+  const Fault fault = expect_fault(triangle, "small_angle", kAtSixty);
   expect_near(fault, {4, 0});
   EXPECT_TRUE(mentions(fault, "14.0362 degrees")) << fault.text();
   EXPECT_TRUE(faults_of(triangle, {.min_angle_deg = 0}).empty());
@@ -286,7 +295,7 @@ TEST(DomainFaults, AnglesBetweenSegmentsReachTheLimit) {
 
 TEST(DomainFaults, SixtyDegreesAreEnough) {
   for (std::uint64_t seed = 0; seed < 20; ++seed)
-    EXPECT_TRUE(faults_of(domains::tilted(domains::regular_simplex<2>(), seed)).empty());
+    EXPECT_TRUE(faults_of(domains::tilted(domains::regular_simplex<2>(), seed), kAtSixty).empty());
 }
 
 TEST(DomainFaults, AnglesBetweenSegmentsAndFacetsReachTheLimit) {
@@ -297,12 +306,12 @@ TEST(DomainFaults, AnglesBetweenSegmentsAndFacetsReachTheLimit) {
     add_segment(cube, a, add_point<3>(cube, {0.5 + 0.3 * std::cos(angle), 0.5, 0.3 * std::sin(angle)}));
     return cube;
   };
-  const Fault fault = expect_fault(with_segment_at(40), "small_angle");
+  const Fault fault = expect_fault(with_segment_at(40), "small_angle", kAtSixty);
   expect_near(fault, {0.5, 0.5, 0});
   EXPECT_TRUE(mentions(fault, "40 degrees")) << fault.text();
   EXPECT_TRUE(mentions(fault, "segment 0")) << fault.text();
   EXPECT_TRUE(mentions(fault, "facet 0")) << fault.text();
-  EXPECT_TRUE(faults_of(with_segment_at(60)).empty());
+  EXPECT_TRUE(faults_of(with_segment_at(60), kAtSixty).empty());
 }
 
 TEST(DomainFaults, AnglesBetweenFacetsReachTheLimit) {
@@ -313,7 +322,7 @@ TEST(DomainFaults, AnglesBetweenFacetsReachTheLimit) {
         input, {Vec<2>{0, 0}, Vec<2>{10, 0}, Vec<2>{10, 1}, Vec<2>{std::cos(angle) * 9, std::sin(angle) * 9}}, 0, 1);
     return input;
   };
-  const auto faults = faults_of(with_roof_at(45));
+  const auto faults = faults_of(with_roof_at(45), kAtSixty);
   ASSERT_EQ(faults.size(), 3U);  // Two corners and the dihedral angle between them.
   bool found = false;
   for (const Fault& fault : faults)

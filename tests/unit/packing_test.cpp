@@ -6,6 +6,7 @@
 
 #include "geom/space_filling_curve.h"
 #include "support/cases.h"
+#include "support/sharp_domains.h"
 #include "voropack/error.h"
 
 namespace voropack {
@@ -47,6 +48,24 @@ void packings_have_no_fault() {
 }
 TEST(Pack, HasNoFaultInThePlane) { packings_have_no_fault<2>(); }
 TEST(Pack, HasNoFaultInSpace) { packings_have_no_fault<3>(); }
+
+/// Spheres on two polytopes of a sharp feature may overlap; everything else holds there too.
+template <int D>
+void sharp_packings_have_no_fault(const std::vector<test::Case<D>>& cases) {
+  for (const auto& c : cases)
+    for (const auto& f : all_fillings()) {
+      const Domain<D> domain = build_domain(c.input);
+      const Spacing<D> spacing = build_spacing(domain, SizeWishes<D>{});
+      const Packing<D> packing = pack(domain, spacing, options_of<D>(f));
+      EXPECT_EQ(find_packing_fault(packing, domain, spacing), "") << c.name << ", " << f.name;
+    }
+}
+TEST(Pack, HasNoFaultAtSmallAnglesInThePlane) {
+  sharp_packings_have_no_fault<2>({test::sharp::fan(5, 3), test::sharp::sliver(2), test::sharp::leaning_slit(5)});
+}
+TEST(Pack, HasNoFaultAtSmallAnglesInSpace) {
+  sharp_packings_have_no_fault<3>({test::sharp::wedge(20), test::sharp::skew_wedge(45), test::sharp::pyramid(5, 60)});
+}
 
 TEST(FindPackingFault, SeesEachInvariantBroken) {
   const Domain<3> domain = build_domain(domains::unit_cube());

@@ -1,0 +1,146 @@
+// Centers along curves that leave a point at small angles: at common distances until the curves are apart.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "packing/strands.h"
+#include "support/sharp_domains.h"
+
+namespace voropack {
+namespace {
+
+namespace sharp = test::sharp;
+
+Spacing<2> constant_spacing(const Domain<2>& domain, double f) {
+  SizeWishes<2> wishes;
+  wishes.spacing = f;
+  return build_spacing(domain, wishes);
+}
+
+/// Straight strands from the center of the unit square at these angles.
+struct Star {
+  Vec<2> tip{0.5, 0.5};
+  std::vector<Strand<2>> strands;
+  Tie tie;
+
+  Star(const std::vector<double>& angles_deg, const std::vector<double>& lengths) {
+    for (std::size_t i = 0; i < angles_deg.size(); ++i) {
+      const Vec<2> along{std::cos(sharp::radians(angles_deg[i])), std::sin(sharp::radians(angles_deg[i]))};
+      strands.push_back(
+          {.length = lengths[i], .at = [t = tip, along](double s) { return t + s * along; }, .positions = {}});
+      tie.ends.push_back({static_cast<std::uint32_t>(i), false});
+    }
+    tie.angle = sharp::radians(180);
+    for (std::size_t i = 0; i + 1 < angles_deg.size(); ++i)
+      tie.angle = std::min(tie.angle, sharp::radians(angles_deg[i + 1] - angles_deg[i]));
+  }
+};
+
+void expect_room(const Strand<2>& strand, const PackedStrand& packed, const Spacing<2>& spacing) {
+  ASSERT_EQ(packed.position.size(), packed.radius.size());
+  double last = 0, last_radius = spacing(strand.at(0));
+  for (std::size_t k = 0; k < packed.position.size(); ++k) {
+    EXPECT_GT(packed.radius[k], 0);
+    EXPECT_LE(packed.radius[k], spacing(strand.at(packed.position[k])) * (1 + 1e-12));
+    EXPECT_GE(packed.position[k] - last, (last_radius + packed.radius[k]) * (1 - 1e-9)) << "center " << k;
+    last = packed.position[k];
+    last_radius = packed.radius[k];
+  }
+  EXPECT_GE(strand.length - last, (last_radius + spacing(strand.at(strand.length))) * (1 - 1e-9));
+}
+
+TEST(Strands, AloneTakeEqualSteps) {
+  const Domain<2> domain = build_domain(domains::unit_square());
+  const Spacing<2> spacing = constant_spacing(domain, 0.011);
+  const Star star({0, 5}, {0.4, 0.3});
+  const auto packed = pack_strands<2>(star.strands, {}, spacing, kTieJitter, 1);
+  for (std::size_t i = 0; i < 2; ++i) {
+    expect_room(star.strands[i], packed[i], spacing);
+    EXPECT_EQ(packed[i].tied_begin, 0);
+    EXPECT_EQ(packed[i].tied_end, 0);
+    const double step = packed[i].position[0];
+    EXPECT_LT(step, 3 * 0.011);
+    for (std::size_t k = 0; k < packed[i].position.size(); ++k)
+      EXPECT_NEAR(packed[i].position[k], step * static_cast<double>(k + 1), 1e-12);
+  }
+}
+
+TEST(Strands, TiedOnesCarryCommonDistancesUntilTheyAreApart) {
+  const Domain<2> domain = build_domain(domains::unit_square());
+  const double f = 0.004;
+  const Spacing<2> spacing = constant_spacing(domain, f);
+  for (const double degrees : {2.0, 5.0, 20.0, 50.0}) {
+    const Star star({0, degrees, 2.5 * degrees}, {0.4, 0.37, 0.31});
+    const auto packed = pack_strands<2>(star.strands, {star.tie}, spacing, 0, 1);
+    const double tied = packed[0].tied_begin;
+    EXPECT_GT(tied, 0);
+    for (std::size_t i = 0; i < 3; ++i) {
+      expect_room(star.strands[i], packed[i], spacing);
+      EXPECT_EQ(packed[i].tied_begin, tied);
+      for (std::size_t k = 0; packed[0].position[k] < tied; ++k)
+        EXPECT_EQ(packed[i].position[k], packed[0].position[k]) << degrees;
+    }
+    // No longer than needed: where they go their own ways, or the shortest one ends.
+    const double apart = 1.5 * f / std::sin(sharp::radians(degrees));
+    EXPECT_LT(tied, std::min(0.31, apart) + 3 * f) << degrees;
+    EXPECT_GT(tied, std::min(0.31 - 4 * f, apart - f)) << degrees;
+  }
+}
+
+/// T3: no center is in the diametral ball of another strand's piece, with the jitter or without; where the tie ends
+/// because the strands are apart, nowhere.
+TEST(Strands, TiedOnesDoNotEncroach) {
+  const Domain<2> domain = build_domain(domains::unit_square());
+  const double f = 0.004;
+  const Spacing<2> spacing = constant_spacing(domain, f);
+  for (const double jitter : {0.0, kTieJitter})
+    for (const double degrees : {0.5, 2.0, 5.0, 20.0, 50.0}) {
+      const Star star({0, degrees, 2 * degrees}, {0.4, 0.37, 0.31});
+      const auto packed = pack_strands<2>(star.strands, {star.tie}, spacing, jitter, 1);
+      const bool are_apart = 1.5 * f / std::sin(sharp::radians(degrees)) < 0.3;
+      std::vector<std::vector<Vec<2>>> centers(3);
+      for (std::size_t i = 0; i < 3; ++i) {
+        centers[i].push_back(star.tip);
+        for (const double t : packed[i].position)
+          if (are_apart || t <= packed[i].tied_begin) centers[i].push_back(star.strands[i].at(t));
+      }
+      int n_tested = 0;
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+          for (std::size_t k = 0; i != j && k + 1 < centers[i].size(); ++k)
+            for (std::size_t l = 1; l < centers[j].size(); ++l, ++n_tested)
+              EXPECT_GE(dot(centers[i][k] - centers[j][l], centers[i][k + 1] - centers[j][l]), 0)
+                  << degrees << " degrees: piece " << k << " of strand " << i << ", center " << l << " of " << j;
+      EXPECT_GT(n_tested, 1000);
+    }
+}
+
+/// Two strands that are tied at both of their ends share their length between the ties.
+TEST(Strands, TiedAtBothEnds) {
+  const Domain<2> domain = build_domain(domains::unit_square());
+  const Spacing<2> spacing = constant_spacing(domain, 0.004);
+  Star star({0, 4, 8}, {0.4, 0.4, 0.4});
+  Tie far = star.tie;
+  far.ends = {{0, true}, {1, true}};
+  star.tie.ends = {{1, false}, {2, false}};
+  const auto packed = pack_strands<2>(star.strands, {star.tie, far}, spacing, 0, 1);
+  for (std::size_t i = 0; i < 3; ++i) expect_room(star.strands[i], packed[i], spacing);
+  EXPECT_EQ(packed[0].tied_begin, 0);
+  EXPECT_GT(packed[0].tied_end, 0);
+  EXPECT_GT(packed[1].tied_begin, 0);
+  EXPECT_GT(packed[1].tied_end, 0);
+  EXPECT_LE(packed[1].tied_begin + packed[1].tied_end, 0.4);
+  EXPECT_EQ(packed[2].tied_end, 0);
+}
+
+TEST(Strands, AStepIsNoLongerThanAsked) {
+  const Domain<2> domain = build_domain(domains::unit_square());
+  const Spacing<2> spacing = constant_spacing(domain, 0.2);
+  Star star({0}, {0.45});
+  EXPECT_TRUE(pack_strands<2>(star.strands, {}, spacing, 0, 1)[0].position.size() <= 1U);
+  star.strands[0].longest_step = 0.1;
+  EXPECT_EQ(pack_strands<2>(star.strands, {}, spacing, 0, 1)[0].position.size(), 4U);
+}
+
+}  // namespace
+}  // namespace voropack
