@@ -11,8 +11,8 @@
 
 #include "base/parallel.h"
 #include "dual/face_weight.h"
+#include "mesh/faces.h"
 #include "mesh/incidence.h"
-#include "mesh/simplex_faces.h"
 
 namespace voropack {
 

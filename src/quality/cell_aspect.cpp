@@ -7,8 +7,8 @@
 
 #include "base/parallel.h"
 #include "geom/circumcenter.h"
+#include "mesh/faces.h"
 #include "mesh/incidence.h"
-#include "mesh/simplex_faces.h"
 #include "quality/cell_balls.h"
 
 namespace voropack {
