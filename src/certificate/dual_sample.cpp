@@ -100,13 +100,15 @@ std::vector<EdgeShare> recompute(const Subject<D>& subject, const Stars& stars, 
   std::vector<EdgeShare> shares;
   for (std::uint64_t at = stars.offsets[k]; at < stars.offsets[k + 1]; ++at) {
     const std::uint32_t s = stars.simplices[at];
-    const std::array<Vec<D>, D + 1> p = subject.topology.corners(s);
+    std::array<Vec<D>, D + 1> p = subject.topology.corners(s);
     const Circumball<D> ball = circumball<D>(p);
+    // Relative to corner 0: far from the origin, rounding the centers would change the areas.
+    for (std::size_t k = D + 1; k-- > 0;) p[k] -= p[0];
     const auto& corners = subject.mesh.simplex_vertices[SimplexId(s)];
     const auto i = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), VertexId(v)) - corners.begin());
     for (std::size_t j = 0; j <= D; ++j)
       if (corners[j].value() > v)
-        shares.push_back({corners[j].value(), subject.topology.region(s), dual_share(p, i, j, ball.center)});
+        shares.push_back({corners[j].value(), subject.topology.region(s), dual_share(p, i, j, ball.offset)});
   }
   std::stable_sort(shares.begin(), shares.end(), [](const EdgeShare& a, const EdgeShare& b) {
     return a.other != b.other ? a.other < b.other : a.region < b.region;
