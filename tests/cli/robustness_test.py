@@ -82,8 +82,9 @@ class Range(CommandLineTest):
 
     def test_more_threads_than_processors_are_no_matter_for_words(self):
         self.write("box.poly", box_poly())
-        one = self.succeed("mesh", "box.poly", "-o", "a.node", "--size", "0.2", "--threads", "1")
-        many = self.succeed("mesh", "box.poly", "-o", "b.node", "--size", "0.2", "--threads", "64")
+        one = self.succeed("mesh", "box.poly", "-o", "a.node", "--size", "0.2", "--no-progress", "--threads", "1")
+        many = self.succeed("mesh", "box.poly", "-o", "b.node", "--size", "0.2", "--no-progress", "--threads",
+                            "64")
         self.assertEqual(many.stderr, one.stderr)
         self.assertEqual((self.folder / "a.ele").read_bytes(), (self.folder / "b.ele").read_bytes())
 
