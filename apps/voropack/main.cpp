@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "command.h"
@@ -26,8 +27,7 @@ int exit_number(ExitCode code) {
   return code == ExitCode::kInterrupted && signal != 0 ? kSignalExitBase + signal : static_cast<int>(code);
 }
 
-int fail(const std::exception& error) {
-  const Failure failure = explain(error);
+int fail(const Failure& failure) {
   fmt::print(stderr, "voropack: error: {}\n", failure.message);
   return exit_number(failure.code);
 }
@@ -53,8 +53,10 @@ int run(const Command& command, const CommonOptions& common, std::chrono::steady
     if (common.report) session.staged_report = outputs.stage(*common.report);
     return exit_number(command.run(session));
   } catch (const std::exception& error) {
+    Failure failure = explain(error);
+    failure.message = outputs.in_users_words(std::move(failure.message));
     outputs.abandon();
-    return fail(error);
+    return fail(failure);
   }
 }
 
@@ -83,14 +85,14 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& request) {  // --help and --version
     return root.exit(request);
   } catch (const CLI::ExtrasError&) {
-    return fail(unexpected_arguments(root));
+    return fail(explain(unexpected_arguments(root)));
   } catch (const CLI::ParseError& error) {
     std::string help = "voropack";
     for (const CLI::App* command : root.get_subcommands()) help += ' ' + command->get_name();
     fmt::print(stderr, "voropack: error: {}\n  Fix: see {} --help.\n", error.what(), help);
     return static_cast<int>(ExitCode::kInput);
   } catch (const std::exception& error) {
-    return fail(error);
+    return fail(explain(error));
   }
 
   for (const Command& command : commands)

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <fstream>
 #include <memory>
 #include <utility>
 
@@ -36,6 +37,16 @@ struct StagedOutputs {
   std::vector<fs::path> meshes;
   std::optional<fs::path> cells;
 };
+
+/// The .node file with the points of a .poly or .smesh that announces none of its own.
+std::optional<fs::path> points_beside(const fs::path& domain) {
+  if (domain.extension() != ".poly" && domain.extension() != ".smesh") return std::nullopt;
+  std::ifstream file(domain);
+  std::string word;
+  while (file >> word && word.front() == '#') std::getline(file, word);
+  if (word != "0") return std::nullopt;
+  return fs::path(domain).replace_extension(".node");
+}
 
 template <int D>
 typename SizeWishes<D>::Field read_size_field(const fs::path& path, Observer& observer) {
@@ -157,6 +168,7 @@ ExitCode run_mesh(const MeshArguments& arguments, Session& session) {
   for (const fs::path& output : arguments.outputs) staged.meshes.push_back(session.outputs.stage(output));
   if (arguments.cells) staged.cells = session.outputs.stage(*arguments.cells);
   session.outputs.protect(arguments.domain);
+  if (const std::optional<fs::path> points = points_beside(arguments.domain)) session.outputs.protect(*points);
   if (arguments.size_field) session.outputs.protect(*arguments.size_field);
 
   session.observer.begin_stage("read");

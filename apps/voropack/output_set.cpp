@@ -100,6 +100,16 @@ void OutputSet::protect(const fs::path& input) const {
                               .fix = "give the output another name."});
 }
 
+std::string OutputSet::in_users_words(std::string message) const {
+  for (const Entry& entry : entries_) {
+    const std::string staged = entry.folder.string() + '/';
+    const std::string given = entry.target.has_parent_path() ? (entry.target.parent_path() / "").string() : "";
+    for (std::size_t at = message.find(staged); at != std::string::npos; at = message.find(staged, at + given.size()))
+      message.replace(at, staged.size(), given);
+  }
+  return message;
+}
+
 void OutputSet::publish_entry(const Entry& entry) {
   const fs::path place = resolved(entry.target);
   const bool is_special = is_special_file(place);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <mutex>
+#include <string>
 #include <vector>
 
 namespace voropack::app {
@@ -23,6 +24,9 @@ class OutputSet {
 
   /// Throws OptionError cli.overwrites_input if a target of `stage` is `input`.
   void protect(const std::filesystem::path& input) const;
+
+  /// `message` with the places of staged files replaced by those that the user gave.
+  [[nodiscard]] std::string in_users_words(std::string message) const;
 
   /// Moves every staged file to its place. Throws InputError io.cannot_write.
   void publish();

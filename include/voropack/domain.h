@@ -162,7 +162,7 @@ struct DomainOptions {
 /// are numbered with unused ids from 1 on. A facet whose parts border different regions is cut into one facet for each;
 /// they keep its marker. Method: docs/theory/domain.md.
 /// Cost: O(n log n) for n elements that meet few others, and a ray for each thing inside a region.
-/// Throws: InputError with up to 20 faults: domain.not_finite, domain.too_large, domain.too_small,
+/// Throws: InputError with up to 20 faults: domain.not_finite, domain.too_large, domain.too_small, domain.too_far,
 ///         domain.index_out_of_range, domain.facet_in_2d, domain.empty, domain.zero_size_segment,
 ///         domain.zero_size_facet, domain.nonplanar_facet, domain.self_intersection, domain.open_boundary,
 ///         domain.outside, domain.seed_outside, domain.seed_on_wall, domain.seed_conflict, domain.small_angle (naming

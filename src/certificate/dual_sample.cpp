@@ -100,15 +100,15 @@ std::vector<EdgeShare> recompute(const Subject<D>& subject, const Stars& stars, 
   std::vector<EdgeShare> shares;
   for (std::uint64_t at = stars.offsets[k]; at < stars.offsets[k + 1]; ++at) {
     const std::uint32_t s = stars.simplices[at];
-    // Seen from v: far from the origin a circumcenter's own coordinates are too coarse.
     std::array<Vec<D>, D + 1> p = subject.topology.corners(s);
-    for (Vec<D>& x : p) x = x - subject.point(v);
     const Circumball<D> ball = circumball<D>(p);
+    // Relative to corner 0: far from the origin, rounding the centers would change the areas.
+    for (std::size_t c = D + 1; c-- > 0;) p[c] -= p[0];
     const auto& corners = subject.mesh.simplex_vertices[SimplexId(s)];
     const auto i = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), VertexId(v)) - corners.begin());
     for (std::size_t j = 0; j <= D; ++j)
       if (corners[j].value() > v)
-        shares.push_back({corners[j].value(), subject.topology.region(s), dual_share(p, i, j, ball.center)});
+        shares.push_back({corners[j].value(), subject.topology.region(s), dual_share(p, i, j, ball.offset)});
   }
   std::stable_sort(shares.begin(), shares.end(), [](const EdgeShare& a, const EdgeShare& b) {
     return a.other != b.other ? a.other < b.other : a.region < b.region;

@@ -90,11 +90,11 @@ template <int D, class T>
 Circumball<D> solve(const std::array<Vec<D>, D + 1>& p, double unit_roundoff) {
   const Frame<D, T> frame(p);
   std::array<T, D> offset{};
-  double product_sq = 1;
-  double sum_sq = 0;  // At least (sum |e|)^2 / D.
+  double product = 1;  // Of lengths, as that of their squares leaves the range of doubles.
+  double sum_sq = 0;   // At least (sum |e|)^2 / D.
   for (std::size_t k = 0; k < D; ++k) {
     const T square = Frame<D, T>::inner(frame.e[k], frame.e[k]);
-    product_sq *= to_double(square);
+    product *= std::sqrt(to_double(square));
     sum_sq += to_double(square);
     for (std::size_t i = 0; i < D; ++i) offset[i] = offset[i] + square * frame.n[k][i];
   }
@@ -104,6 +104,7 @@ Circumball<D> solve(const std::array<Vec<D>, D + 1>& p, double unit_roundoff) {
   Circumball<D> ball;
   double largest = 0;
   for (std::size_t i = 0; i < D; ++i) {
+    ball.offset.coord[i] = to_double(offset[i]);
     ball.center.coord[i] = to_double(T(p[0].coord[i]) + offset[i]);
     largest = std::max({largest, std::abs(p[0].coord[i]), std::abs(ball.center.coord[i])});
   }
@@ -117,7 +118,6 @@ Circumball<D> solve(const std::array<Vec<D>, D + 1>& p, double unit_roundoff) {
     rest = rest - coordinate;
   }
   ball.barycentric[0] = to_double(rest);
-  const double product = std::sqrt(product_sq);
   const double sum = std::sqrt(D * sum_sq);
   ball.error = 40 * unit_roundoff * product * (sum + 2 * ball.radius) / (2 * std::abs(ball.determinant)) +
                4 * kUnitRoundoff * (largest + ball.radius);

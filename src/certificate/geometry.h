@@ -95,6 +95,7 @@ inline SignedValue certain_in_circumball(const std::array<Vec<3>, 4>& p, const V
 template <int D>
 struct Circumball {
   Vec<D> center;
+  Vec<D> offset;  ///< From corner 0 to the center, before the center is rounded to the coordinates' grid.
   double radius;
   double error;                           ///< Bound on the distance between `center` and the true circumcenter.
   std::array<double, D + 1> barycentric;  ///< Of the center: negative i means beyond the face opposite to corner i.

@@ -175,7 +175,7 @@ void Topology<D>::rebuild_neighbors(Tally& faults) {
   for (std::size_t s = 0; s < state_.size(); ++s)
     for (int i = 0; valid(s) && i <= D; ++i)
       refs.push_back({face_key(s, i), static_cast<std::uint32_t>(s), static_cast<std::uint8_t>(i)});
-  tbb::parallel_sort(refs.begin(), refs.end());
+  parallel_sort(refs.begin(), refs.end());
   std::array<SimplexId, D + 1> nobody;
   nobody.fill(SimplexId::none());
   own_neighbors_ = Neighbors(state_.size(), nobody);
@@ -220,7 +220,7 @@ std::vector<typename Topology<D>::FaceRef> Topology<D>::boundary_candidates() co
       1);
   std::vector<FaceRef> refs;
   for (const auto& block : found) refs.insert(refs.end(), block.begin(), block.end());
-  tbb::parallel_sort(refs.begin(), refs.end());
+  parallel_sort(refs.begin(), refs.end());
   return refs;
 }
 

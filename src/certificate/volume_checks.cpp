@@ -168,14 +168,14 @@ std::map<int, RegionSums> region_sums(const Subject<D>& subject, bool with_cells
             sums = &block[current];
           }
           const std::array<Vec<D>, D + 1> p = subject.topology.corners(s);
-          double product_sq = 1;
-          for (std::size_t k = 1; k <= D; ++k) product_sq *= distance_sq(p[0], p[k]);
+          double product = 1;
+          for (std::size_t k = 1; k <= D; ++k) product *= distance(p[0], p[k]);
           constexpr double kFactorial = D == 2 ? 2 : 6;
           if constexpr (D == 2)
             sums->simplices.add(cross(p[1] - p[0], p[2] - p[0]) / kFactorial);
           else
             sums->simplices.add(dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0])) / kFactorial);
-          sums->product.add(std::sqrt(product_sq));
+          sums->product.add(product);
         }
         return block;
       },

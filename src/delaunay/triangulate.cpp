@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "geom/hilbert.h"
 #include "geom/kernel.h"
-#include "geom/space_filling_curve.h"
 #include "spheres/region_labels.h"
 #include "voropack/delaunay.h"
 
@@ -47,9 +47,9 @@ std::vector<std::uint32_t> vertex_order(const Packing<D>& packing) {
   for (const Vec<D>& x : packing.center) box.add(x);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(n);
   parallel_for(n, [&](std::size_t i) {
-    keys[i] = {hilbert_index(packing.center[SphereId(i)], box), static_cast<std::uint32_t>(i)};
+    keys[i] = {hilbert_key<D>(packing.center[SphereId(i)], box), static_cast<std::uint32_t>(i)};
   });
-  tbb::parallel_sort(keys.begin(), keys.end());
+  parallel_sort(keys.begin(), keys.end());
   std::vector<std::uint32_t> order(n);
   for (std::uint32_t v = 0; v < n; ++v) order[keys[v].second] = v;
   return order;

@@ -148,6 +148,14 @@ Complex<D> collect_points(const DomainInput<D>& input, FaultList<D>& faults) {
     faults.throw_if_any();
   }
   complex.tolerance = absolute_tolerance(complex.box, kOnTolerance);
+  if (complex.tolerance > kMaxBlur * complex.box.diagonal()) {
+    faults.add("too_far",
+               fmt::format("the domain is {:.3g} across and lies near {}, where double precision tells apart no points "
+                           "nearer than {:.2g} safely",
+                           complex.box.diagonal(), text(complex.box.lo), complex.tolerance),
+               "move the domain towards the origin", complex.box.lo);
+    faults.throw_if_any();
+  }
 
   const Names<D> names(input);
   PointGrid<D> grid(complex.tolerance);

@@ -6,8 +6,8 @@
 #include <tuple>
 
 #include "dual/shape_points.h"
+#include "mesh/faces.h"
 #include "mesh/incidence.h"
-#include "mesh/simplex_faces.h"
 #include "voropack/dual.h"
 
 namespace voropack {

@@ -1,7 +1,6 @@
 #include "voropack/dual.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +10,8 @@
 
 #include "base/parallel.h"
 #include "dual/face_weight.h"
+#include "mesh/faces.h"
 #include "mesh/incidence.h"
-#include "mesh/simplex_faces.h"
 
 namespace voropack {
 
@@ -283,14 +282,17 @@ class DualBuilder {
     const std::size_t n = mesh_.points.size();
     std::vector<BlockResult> blocks((n + kBlock - 1) / kBlock);
     tbb::enumerable_thread_specific<EdgeTable> tables([&] { return EdgeTable(n); });
-    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-      observer_.check_cancelled();
-      EdgeTable& table = tables.local();
-      blocks[b].faces.reserve(kEdgesPerVertex * kBlock);
-      blocks[b].cells.reserve(kBlock);
-      for (std::size_t v = b * kBlock; v < std::min(n, (b + 1) * kBlock); ++v)
-        sum_vertex(VertexId(v), shares, vertex_simplices[VertexId(v)], statistics.conforming, table, blocks[b]);
-    });
+    parallel_for(
+        blocks.size(),
+        [&](std::size_t b) {
+          observer_.check_cancelled();
+          EdgeTable& table = tables.local();
+          blocks[b].faces.reserve(kEdgesPerVertex * kBlock);
+          blocks[b].cells.reserve(kBlock);
+          for (std::size_t v = b * kBlock; v < std::min(n, (b + 1) * kBlock); ++v)
+            sum_vertex(VertexId(v), shares, vertex_simplices[VertexId(v)], statistics.conforming, table, blocks[b]);
+        },
+        1);
     observer_.progress(2, 3);
     return blocks;
   }
@@ -336,22 +338,25 @@ class DualBuilder {
     out.cell_vertex.resize(first_cell.back());
     out.cell_region.resize(first_cell.back());
     out.cell_volume.resize(first_cell.back());
-    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-      DualFaceId f(first_face[b]);
-      for (const BlockResult::Face& face : blocks[b].faces) {
-        out.face_vertices[f] = {face.i, face.j};
-        out.face_region[f] = face.region;
-        out.face_area[f] = face.area;
-        out.face_edge_length[f] = face.edge_length;
-        ++f;
-      }
-      CellId c(first_cell[b]);
-      for (const BlockResult::Cell& cell : blocks[b].cells) {
-        out.cell_vertex[c] = cell.vertex;
-        out.cell_region[c] = cell.region;
-        ++c;
-      }
-    });
+    parallel_for(
+        blocks.size(),
+        [&](std::size_t b) {
+          DualFaceId f(first_face[b]);
+          for (const BlockResult::Face& face : blocks[b].faces) {
+            out.face_vertices[f] = {face.i, face.j};
+            out.face_region[f] = face.region;
+            out.face_area[f] = face.area;
+            out.face_edge_length[f] = face.edge_length;
+            ++f;
+          }
+          CellId c(first_cell[b]);
+          for (const BlockResult::Cell& cell : blocks[b].cells) {
+            out.cell_vertex[c] = cell.vertex;
+            out.cell_region[c] = cell.region;
+            ++c;
+          }
+        },
+        1);
   }
 
   static void check_id_range(std::size_t n_faces) {

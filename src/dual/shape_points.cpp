@@ -7,7 +7,7 @@
 #include "geom/circumcenter.h"
 #include "geom/predicates.h"
 #include "geom/tolerance.h"
-#include "mesh/simplex_faces.h"
+#include "mesh/faces.h"
 #include "voropack/error.h"
 
 namespace voropack {

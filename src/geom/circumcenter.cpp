@@ -118,12 +118,6 @@ double simplex_determinant(const std::array<Vec<D>, D + 1>& simplex) {
   return to_double(determinant<Expansion>(unit).approximate()) / volume_scale;
 }
 
-Vec<3> triangle_circumcenter(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
-  const Vec<3> u = b - a, v = c - a;
-  const Vec<3> n = cross(u, v);
-  return a + (norm_sq(u) * cross(v, n) + norm_sq(v) * cross(n, u)) / (2 * norm_sq(n));
-}
-
 template Vec<2> circumcenter_offset<2>(const std::array<Vec<2>, 3>&);
 template Vec<3> circumcenter_offset<3>(const std::array<Vec<3>, 4>&);
 template double simplex_determinant<2>(const std::array<Vec<2>, 3>&);

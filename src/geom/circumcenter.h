@@ -1,4 +1,5 @@
-// Circumcenters and circumradii that stay accurate for slivers.
+// Circumcenters: accurate ones, which stay so for slivers, and fast ones, for placing new points. Nothing topological
+// is decided by either.
 #pragma once
 
 #include <array>
@@ -21,8 +22,25 @@ Vec<D> circumcenter_offset(const std::array<Vec<D>, D + 1>& simplex);
 template <int D>
 double simplex_determinant(const std::array<Vec<D>, D + 1>& simplex);
 
+/// The circumcenter in plain double precision: accurate while the simplex is far from flat. Not finite if it is flat.
+inline Vec<2> fast_circumcenter(const std::array<Vec<2>, 3>& s) {
+  const Vec<2> u = s[1] - s[0], v = s[2] - s[0];
+  const double scale = 0.5 / cross(u, v), uu = norm_sq(u), vv = norm_sq(v);
+  return s[0] + scale * Vec<2>{v[1] * uu - u[1] * vv, u[0] * vv - v[0] * uu};
+}
+
+inline Vec<3> fast_circumcenter(const std::array<Vec<3>, 4>& s) {
+  const Vec<3> u = s[1] - s[0], v = s[2] - s[0], w = s[3] - s[0];
+  const Vec<3> vw = cross(v, w);
+  const double scale = 0.5 / dot(u, vw);
+  return s[0] + scale * (norm_sq(u) * vw + norm_sq(v) * cross(w, u) + norm_sq(w) * cross(u, v));
+}
+
 /// The circumcenter of a triangle in space, in its plane; plain double precision. Accurate while the triangle's
 /// angles are not tiny, which a bounded radius-edge ratio grants.
-Vec<3> triangle_circumcenter(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c);
+inline Vec<3> triangle_circumcenter(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
+  const Vec<3> u = b - a, v = c - a, n = cross(u, v);
+  return a + (0.5 / norm_sq(n)) * (norm_sq(u) * cross(v, n) + norm_sq(v) * cross(n, u));
+}
 
 }  // namespace voropack

@@ -147,6 +147,18 @@ std::uint64_t hilbert_key(const std::array<std::uint32_t, K>& cell) {
 }
 
 template <int K>
+std::uint64_t hilbert_key(const Vec<K>& x, const Box<K>& box) {
+  constexpr double kTop = (std::uint64_t{1} << static_cast<unsigned>(kHilbertBits<K>)) - 1;
+  std::array<std::uint32_t, K> cell{};
+  for (int axis = 0; axis < K; ++axis) {
+    const double extent = box.hi[axis] - box.lo[axis];
+    const double part = extent > 0 ? std::clamp((x[axis] - box.lo[axis]) / extent, 0.0, 1.0) : 0.0;
+    cell[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(part * kTop);
+  }
+  return hilbert_key<K>(cell);
+}
+
+template <int K>
 std::vector<std::uint32_t> hilbert_order(std::span<const Vec<K>> points) {
   std::vector<Keyed> keyed(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) keyed[i] = {0, static_cast<std::uint32_t>(i)};
@@ -175,6 +187,8 @@ std::vector<std::uint32_t> insertion_rounds(std::size_t n) {
 
 template std::uint64_t hilbert_key<2>(const std::array<std::uint32_t, 2>&);
 template std::uint64_t hilbert_key<3>(const std::array<std::uint32_t, 3>&);
+template std::uint64_t hilbert_key<2>(const Vec<2>&, const Box<2>&);
+template std::uint64_t hilbert_key<3>(const Vec<3>&, const Box<3>&);
 template std::vector<std::uint32_t> hilbert_order<2>(std::span<const Vec<2>>);
 template std::vector<std::uint32_t> hilbert_order<3>(std::span<const Vec<3>>);
 

@@ -1,4 +1,4 @@
-// The order in which a triangulation visits points: along a Hilbert curve, in rounds of growing density.
+// Points along a Hilbert curve, and the order in which a triangulation visits them.
 #pragma once
 
 #include <array>
@@ -19,6 +19,10 @@ inline constexpr int kHilbertBits = 60 / K;
 /// 2^60. Keys that differ by one belong to cells that share a face.
 template <int K>
 std::uint64_t hilbert_key(const std::array<std::uint32_t, K>& cell);
+
+/// The key of the cell of x in such a grid over `box`, each axis scaled on its own.
+template <int K>
+std::uint64_t hilbert_key(const Vec<K>& x, const Box<K>& box);
 
 /// The indices of `points` along a Hilbert curve through their bounding box. Clusters too small for the curve's
 /// resolution are ordered along a finer curve of their own. Ties are broken by index. O(n log n).

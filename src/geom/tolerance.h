@@ -50,6 +50,10 @@ inline constexpr double kMaxCoordinate = 1e60;
 /// Domains smaller than this are refused, for the same reason at the other end.
 inline constexpr double kMinDiameter = 1e-60;
 
+/// A domain that the rounding of its coordinates blurs by more than this, relative to its diameter, is refused: it lies
+/// so far from the origin that spheres could not be placed.
+inline constexpr double kMaxBlur = 1e-3;
+
 /// Angles this much (degrees) below a limit still satisfy it: rounding of coordinates turns an exact 60 into slightly
 /// less.
 inline constexpr double kAngleSlackDeg = 1e-7;

@@ -100,6 +100,7 @@ void AtomicFile::rename() {
 void AtomicFile::fail(int error) const {
   std::string fix = "choose another place with -o";
   if (error == ENOSPC || error == EDQUOT) fix = "free some space, or choose another disk";
+  if (error == EFBIG) fix = "raise the limit on the size of files (ulimit -f), or choose another disk";
   if (error == EACCES || error == EPERM || error == EROFS) fix = "choose a folder that you may write to";
   if (error == EISDIR) fix = "name a file, not a folder";
   io::fail(path_.string(), "io.cannot_write", fmt::format("cannot be written: {}", std::strerror(error)),

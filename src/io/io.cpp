@@ -29,9 +29,12 @@ AnyMesh read_node_files(const std::filesystem::path& path, Observer& observer) {
              "put the .ele file beside the .node file");
   const std::optional<FileContent> face = io::read_file_if_present(sibling(path, ".face"));
   const std::optional<FileContent> edge = io::read_file_if_present(sibling(path, ".edge"));
-  io::NodeMeshSources sources{node.source(), ele->source(), {}, {}};
+  io::NodeMeshSources sources{node.source(), ele->source(), {}, {}, {}};
   if (face) sources.face = face->source();
   if (edge) sources.edge = edge->source();
+  std::optional<FileContent> poly;
+  if (!edge) poly = io::read_file_if_present(sibling(path, ".poly"));
+  if (poly) sources.poly = poly->source();
   return io::parse_node_mesh(sources, observer);
 }
 

@@ -9,6 +9,7 @@
 #include "geom/predicates.h"
 #include "io/source.h"
 #include "mesh/faces.h"
+#include "mesh/vertex_set_table.h"
 
 namespace voropack::io {
 
@@ -111,7 +112,7 @@ void assemble_boundary(Mesh<D>& mesh, const Listing<D>& boundary) {
   const VertexSetTable<D> table = make_table(boundary, kind);
   const Occurrence occurrence = find_occurrences<D>(
       mesh.points.size(), mesh.simplex_vertices.size(), boundary, table, [&](SimplexId s, const auto& visit) {
-        visit_faces<D>(mesh, s, [&](int i, SimplexId) { visit(opposite_face<D>(mesh.simplex_vertices[s], i)); });
+        visit_faces<D>(mesh, s, [&](int i, SimplexId) { visit(boundary_face<D>(mesh.simplex_vertices[s], i)); });
       });
 
   // Hull faces and interfaces, listed or not.
@@ -120,7 +121,7 @@ void assemble_boundary(Mesh<D>& mesh, const Listing<D>& boundary) {
   for (const SimplexId s : ids(mesh.simplex_vertices))
     visit_faces<D>(mesh, s, [&](int i, SimplexId neighbor) {
       if (!neighbor.is_none() && mesh.simplex_region[neighbor] == mesh.simplex_region[s]) return;
-      const auto face = opposite_face<D>(mesh.simplex_vertices[s], i);
+      const auto face = boundary_face<D>(mesh.simplex_vertices[s], i);
       const std::uint32_t index = table.find(face);
       if (index == table.kAbsent)
         unlisted.push_back(face);

@@ -73,17 +73,16 @@ Listing<D + 1> read_simplices(const Source& source, std::uint32_t first_vertex, 
 /// .face (K = 3) and .edge (K = 2): `<elements> <markers>`, then `<number> <corners> [marker]`. TetGen -o2 adds K nodes
 /// of a triangle or 1 of an edge before the marker, -nn adds 2 or 1 adjacent tetrahedra behind it.
 template <std::size_t K>
-Listing<K> read_listing(const Source& source, std::uint32_t first_vertex, std::uint64_t n_vertices, bool is_quadratic,
-                        std::size_t max_adjacent, Observer& observer) {
+Listing<K> read_listing(TextScanner& scanner, std::uint32_t first_vertex, std::uint64_t n_vertices, bool is_quadratic,
+                        std::size_t max_adjacent) {
   constexpr std::string_view kKind = K == 2 ? "edge" : "face";
-  TextScanner scanner(source, '#', observer);
   scanner.next_line("header");
   const std::uint64_t n = scanner.count(K == 2 ? "number of edges" : "number of faces");
   const bool has_markers = !scanner.at_end_of_line() && read_marker_flag(scanner);
   scanner.end_of_line();
 
   Listing<K> listing;
-  listing.file = source.file;
+  listing.file = scanner.file();
   listing.first_vertex = first_vertex;
   const std::uint64_t capacity = scanner.capacity(n, 2 * (K + 1));
   listing.vertices.reserve(capacity);
@@ -102,8 +101,26 @@ Listing<K> read_listing(const Source& source, std::uint32_t first_vertex, std::u
     listing.vertices.push_back(corners);
     listing.lines.push_back(scanner.line());
   }
-  scanner.end_of_file(kKind);
   return listing;
+}
+
+template <std::size_t K>
+Listing<K> read_listing(const Source& source, std::uint32_t first_vertex, std::uint64_t n_vertices, bool is_quadratic,
+                        std::size_t max_adjacent, Observer& observer) {
+  TextScanner scanner(source, '#', observer);
+  Listing<K> listing = read_listing<K>(scanner, first_vertex, n_vertices, is_quadratic, max_adjacent);
+  scanner.end_of_file(K == 2 ? "edge" : "face");
+  return listing;
+}
+
+/// The segments of a .poly whose points are in the .node file beside it, as Triangle writes it with a mesh. One that
+/// lists points of its own is a domain, and says nothing about the vertices of the mesh.
+Listing<2> read_segments_of_poly(const Source& source, std::uint32_t first_vertex, std::uint64_t n_vertices,
+                                 Observer& observer) {
+  TextScanner scanner(source, '#', observer);
+  const NodeHeader header = read_node_header(scanner);
+  if (header.n_points > 0 || header.dimension.value_or(2) != 2) return {};
+  return read_listing<2>(scanner, first_vertex, n_vertices, false, 0);
 }
 
 template <int D>
@@ -124,7 +141,10 @@ Mesh<D> read_mesh_of_dimension(TextScanner& node_scanner, const NodeHeader& head
   Listing<2> segments;
   if constexpr (D == 2) {
     // Triangle lists no nodes in the middle of edges.
-    if (sources.edge) boundary = read_listing<2>(*sources.edge, first, n, false, 0, observer);
+    if (sources.edge)
+      boundary = read_listing<2>(*sources.edge, first, n, false, 0, observer);
+    else if (sources.poly)
+      boundary = read_segments_of_poly(*sources.poly, first, n, observer);
   } else {
     if (sources.face) boundary = read_listing<3>(*sources.face, first, n, is_quadratic, 2, observer);
     if (sources.edge) segments = read_listing<2>(*sources.edge, first, n, is_quadratic, 1, observer);

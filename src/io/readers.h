@@ -26,6 +26,7 @@ struct NodeMeshSources {
   Source node, ele;
   std::optional<Source> face;  ///< Used in 3D.
   std::optional<Source> edge;
+  std::optional<Source> poly;  ///< Used in 2D without `edge`, if its points are those of `node`.
 };
 AnyMesh parse_node_mesh(const NodeMeshSources& sources, Observer& observer);
 AnyMesh parse_vtu(const Source& source, Observer& observer);

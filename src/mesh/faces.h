@@ -1,91 +1,85 @@
-// Faces and edges as sorted sets of vertices, and a table that finds them.
+// How the faces of a simplex are numbered and oriented, and where the regions of a mesh end.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cstdint>
-#include <vector>
+#include <cstddef>
+#include <utility>
 
-#include "base/random.h"
-#include "voropack/index.h"
+#include "voropack/mesh.h"
 
 namespace voropack {
 
-/// The corners of the face opposite to corner i of a simplex, in the order in which they look counterclockwise from
-/// outside of a positively oriented simplex (in 2D: the simplex lies to the left).
+/// Corners of the face opposite to corner i, so that (face, corner i) is positively oriented when the simplex is.
 template <int D>
-std::array<VertexId, D> opposite_face(const std::array<VertexId, D + 1>& corners, int i) {
-  if constexpr (D == 2) {
-    constexpr std::array<std::array<std::size_t, 2>, 3> kFace = {{{1, 2}, {2, 0}, {0, 1}}};
-    const auto& f = kFace[static_cast<std::size_t>(i)];
-    return {corners[f[0]], corners[f[1]]};
-  } else {
-    constexpr std::array<std::array<std::size_t, 3>, 4> kFace = {{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-    const auto& f = kFace[static_cast<std::size_t>(i)];
-    return {corners[f[0]], corners[f[1]], corners[f[2]]};
-  }
+inline constexpr std::array<std::array<int, D>, D + 1> kFaceCorners = {};
+template <>
+inline constexpr std::array<std::array<int, 2>, 3> kFaceCorners<2> = {{{1, 2}, {2, 0}, {0, 1}}};
+template <>
+inline constexpr std::array<std::array<int, 3>, 4> kFaceCorners<3> = {{{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
+
+/// The face opposite to corner i as vertices, oriented as kFaceCorners.
+template <int D>
+std::array<VertexId, D> face_vertices(const std::array<VertexId, D + 1>& simplex, int i) {
+  std::array<VertexId, D> face;
+  for (std::size_t k = 0; k < D; ++k)
+    face[k] = simplex[static_cast<std::size_t>(kFaceCorners<D>[static_cast<std::size_t>(i)][k])];
+  return face;
 }
 
-/// Sorts the vertices; true if the permutation was odd.
-template <std::size_t K>
-bool sort_vertices(std::array<VertexId, K>& v) {
-  bool odd = false;
-  const auto order = [&](std::size_t a, std::size_t b) {
-    if (v[b] < v[a]) {
-      std::swap(v[a], v[b]);
-      odd = !odd;
+template <int D>
+std::array<VertexId, D> face_vertices(const Mesh<D>& mesh, SimplexId s, int i) {
+  return face_vertices<D>(mesh.simplex_vertices[s], i);
+}
+
+/// The same with the corner known at compile time.
+template <int D, std::size_t I>
+std::array<VertexId, D> face_vertices(const std::array<VertexId, D + 1>& simplex) {
+  std::array<VertexId, D> face;
+  for (std::size_t k = 0; k < D; ++k) face[k] = simplex[static_cast<std::size_t>(kFaceCorners<D>[I][k])];
+  return face;
+}
+
+/// The face opposite to corner i as a mesh lists its boundary: in space counterclockwise seen from outside of a
+/// positively oriented simplex, in the plane with the simplex to its left.
+template <int D>
+std::array<VertexId, D> boundary_face(const std::array<VertexId, D + 1>& simplex, int i) {
+  std::array<VertexId, D> face = face_vertices<D>(simplex, i);
+  if constexpr (D == 3) std::swap(face[1], face[2]);
+  return face;
+}
+
+/// The neighbor across the face opposite to corner i if it lies in the same region; none where the region ends.
+///
+/// An internal facet with one region on both sides does not end the region: the two parts of a dual edge that it cuts
+/// add up to the whole.
+template <int D>
+SimplexId neighbor_in_region(const Mesh<D>& mesh, SimplexId s, int i) {
+  const SimplexId t = mesh.simplex_neighbors[s][static_cast<std::size_t>(i)];
+  return !t.is_none() && mesh.simplex_region[t] == mesh.simplex_region[s] ? t : SimplexId::none();
+}
+
+/// The corner of t opposite to the face that it shares with s.
+template <int D>
+int mirror_corner(const Mesh<D>& mesh, SimplexId s, SimplexId t, int corner_of_s) {
+  const auto& neighbors = mesh.simplex_neighbors[t];
+  int match = -1, n_matches = 0;
+  for (int k = 0; k <= D; ++k) {
+    if (neighbors[static_cast<std::size_t>(k)] == s) {
+      match = k;
+      ++n_matches;
     }
-  };
-  order(0, 1);
-  if constexpr (K == 3) {
-    order(1, 2);
-    order(0, 1);
   }
-  return odd;
+  if (n_matches == 1) return match;
+  // Two simplices that share two faces (a mesh of very few simplices): compare the faces themselves.
+  for (int k = 0; k <= D; ++k) {
+    if (neighbors[static_cast<std::size_t>(k)] != s) continue;
+    const VertexId apex = mesh.simplex_vertices[t][static_cast<std::size_t>(k)];
+    bool on_face = false;
+    for (int c = 0; c <= D; ++c)
+      on_face |= c != corner_of_s && mesh.simplex_vertices[s][static_cast<std::size_t>(c)] == apex;
+    if (!on_face) return k;
+  }
+  return match;
 }
-
-/// Finds the index of a set of K vertices in a list, whatever the order in which its vertices are given. O(1) expected.
-template <std::size_t K>
-class VertexSetTable {
- public:
-  using Key = std::array<VertexId, K>;
-  static constexpr std::uint32_t kAbsent = ~std::uint32_t{0};
-
-  explicit VertexSetTable(std::size_t capacity) {
-    std::size_t n_slots = 16;
-    while (n_slots < 2 * capacity) n_slots *= 2;
-    slots_.assign(n_slots, Slot{});
-  }
-
-  /// Inserts under `index`; if the set is there already, returns its index and changes nothing, else kAbsent.
-  std::uint32_t insert(Key key, std::uint32_t index) {
-    sort_vertices(key);
-    Slot& slot = slots_[find_slot(key)];
-    if (slot.index != kAbsent) return slot.index;
-    slot = {key, index};
-    return kAbsent;
-  }
-
-  [[nodiscard]] std::uint32_t find(Key key) const {
-    sort_vertices(key);
-    return slots_[find_slot(key)].index;
-  }
-
- private:
-  struct Slot {
-    Key key{};
-    std::uint32_t index = kAbsent;
-  };
-
-  [[nodiscard]] std::size_t find_slot(const Key& key) const {
-    std::uint64_t hash = 0;
-    for (const VertexId v : key) hash = mix64(hash ^ v.value()) + 0x9e3779b97f4a7c15ULL;
-    std::size_t i = hash & (slots_.size() - 1);
-    while (slots_[i].index != kAbsent && slots_[i].key != key) i = (i + 1) & (slots_.size() - 1);
-    return i;
-  }
-
-  std::vector<Slot> slots_;
-};
 
 }  // namespace voropack

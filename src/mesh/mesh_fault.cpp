@@ -3,6 +3,7 @@
 
 #include "geom/predicates.h"
 #include "mesh/faces.h"
+#include "mesh/vertex_set_table.h"
 #include "voropack/error.h"
 #include "voropack/mesh.h"
 
@@ -96,7 +97,7 @@ std::string find_boundary_fault(const Mesh<D>& mesh) {
   std::vector<bool> is_face(mesh.boundary_vertices.size(), false);
   for (const SimplexId s : ids(mesh.simplex_vertices)) {
     for (int i = 0; i <= D; ++i) {
-      const auto face = opposite_face<D>(mesh.simplex_vertices[s], i);
+      const auto face = boundary_face<D>(mesh.simplex_vertices[s], i);
       const std::uint32_t index = listed.find(face);
       if (index != listed.kAbsent) {
         is_face[index] = true;

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "mesh/faces.h"
+#include "mesh/vertex_set_table.h"
 #include "voropack/error.h"
 #include "voropack/mesh.h"
 
@@ -40,7 +41,7 @@ Buckets<D> fill_buckets(const Mesh<D>& mesh) {
   const auto smallest_vertices = [](const std::array<VertexId, D + 1>& corners) {
     std::array<VertexId, D + 1> smallest;
     for (int i = 0; i <= D; ++i) {
-      const auto face = opposite_face<D>(corners, i);
+      const auto face = boundary_face<D>(corners, i);
       smallest[static_cast<std::size_t>(i)] = *std::min_element(face.begin(), face.end());
     }
     return smallest;
@@ -53,7 +54,7 @@ Buckets<D> fill_buckets(const Mesh<D>& mesh) {
   std::vector<std::uint64_t> next(buckets.offsets.begin(), buckets.offsets.end() - 1);
   for (const SimplexId s : ids(mesh.simplex_vertices)) {
     for (int i = 0; i <= D; ++i) {
-      auto face = opposite_face<D>(mesh.simplex_vertices[s], i);
+      auto face = boundary_face<D>(mesh.simplex_vertices[s], i);
       FaceRecord<D> record;
       record.odd = sort_vertices(face);
       std::copy(face.begin() + 1, face.end(), record.others.begin());

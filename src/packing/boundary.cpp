@@ -9,7 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "geom/circumball.h"
+#include "geom/circumcenter.h"
 #include "packing/book.h"
 #include "packing/corner.h"
 #include "packing/facet.h"
@@ -279,7 +279,7 @@ class BoundaryPacker {
     for (const auto& fan : start.fans) {
       std::array<Vec<2>, 3> corners;
       for (std::size_t i = 0; i < 3; ++i) corners[i] = zone.to_page(k, packing().center[fan[i]]);
-      const Vec<2> c = circumcenter(corners);
+      const Vec<2> c = fast_circumcenter(corners);
       if (c[1] > 0) balls.push_back({c, distance(c, corners[0])});
     }
   }
@@ -308,7 +308,7 @@ class BoundaryPacker {
           corners[i] = packing().center[subfacet.spheres[i]];
         }
         packing().subfacets.push_back(subfacet);
-        const Vec<3> c = circumcenter(corners);
+        const Vec<3> c = triangle_circumcenter(corners[0], corners[1], corners[2]);
         result_.balls.push_back({c, distance(c, corners[0])});
       }
     }

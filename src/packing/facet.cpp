@@ -4,7 +4,7 @@
 #include <set>
 
 #include "base/random.h"
-#include "geom/circumball.h"
+#include "geom/circumcenter.h"
 #include "packing/boundary.h"
 
 namespace voropack {
@@ -85,7 +85,7 @@ PackedFacet pack_facet(const Domain<3>& domain, FacetId facet, const Packing<3>&
   for (const auto& fan : start.fans) {
     std::array<Vec<2>, 3> corners;
     for (std::size_t i = 0; i < 3; ++i) corners[i] = problem.fixed[local(fan[i])].center;
-    const Vec<2> c = circumcenter(corners);
+    const Vec<2> c = fast_circumcenter(corners);
     problem.balls.push_back({c, distance(c, corners[0])});
   }
   if (!start.reserved.empty()) problem.reserved = &start.reserved;

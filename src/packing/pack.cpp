@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "geom/circumball.h"
+#include "geom/circumcenter.h"
 #include "packing/boundary.h"
 #include "packing/incidence.h"
 #include "spheres/pack_interior.h"
@@ -195,7 +195,7 @@ std::string find_packing_fault(const Packing<D>& packing, const Domain<D>& domai
     for (const auto& t : packing.subfacets) {
       const std::array<Vec<3>, 3> corners = {packing.center[t.spheres[0]], packing.center[t.spheres[1]],
                                              packing.center[t.spheres[2]]};
-      const Vec<3> c = circumcenter(corners);
+      const Vec<3> c = triangle_circumcenter(corners[0], corners[1], corners[2]);
       balls.add({c, distance(c, corners[0])});
     }
   for (const SphereId s : ids(packing.center))

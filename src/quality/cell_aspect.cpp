@@ -7,8 +7,8 @@
 
 #include "base/parallel.h"
 #include "geom/circumcenter.h"
+#include "mesh/faces.h"
 #include "mesh/incidence.h"
-#include "mesh/simplex_faces.h"
 #include "quality/cell_balls.h"
 
 namespace voropack {
@@ -124,22 +124,24 @@ std::vector<double> cell_aspects(const Mesh<D>& mesh, const ControlVolumes<D>& v
     return volumes.cell_vertex[CellId(a)] == volumes.cell_vertex[CellId(b)];
   };
   tbb::enumerable_thread_specific<Cell<D>> cells([&] { return Cell<D>(mesh, figures); });
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, kBlock), [&](const auto& range) {
-    observer.check_cancelled();
-    Cell<D>& cell = cells.local();
-    std::vector<SimplexId> in_region;
-    for (std::size_t c = range.begin(); c != range.end(); ++c) {
-      const VertexId v = volumes.cell_vertex[CellId(c)];
-      std::span<const SimplexId> simplices = std::as_const(vertex_simplices)[v];
-      if ((c > 0 && same_vertex(c, c - 1)) || (c + 1 < n && same_vertex(c, c + 1))) {
-        in_region.clear();
-        for (const SimplexId s : simplices)
-          if (mesh.simplex_region[s] == volumes.cell_region[CellId(c)]) in_region.push_back(s);
-        simplices = in_region;
-      }
-      aspects[c] = cell.aspect(CellId(c), v, simplices);
-    }
-  });
+  parallel_for((n + kBlock - 1) / kBlock,
+               [&](std::size_t block) {
+                 observer.check_cancelled();
+                 Cell<D>& cell = cells.local();
+                 std::vector<SimplexId> in_region;
+                 for (std::size_t c = block * kBlock; c < std::min(n, (block + 1) * kBlock); ++c) {
+                   const VertexId v = volumes.cell_vertex[CellId(c)];
+                   std::span<const SimplexId> simplices = std::as_const(vertex_simplices)[v];
+                   if ((c > 0 && same_vertex(c, c - 1)) || (c + 1 < n && same_vertex(c, c + 1))) {
+                     in_region.clear();
+                     for (const SimplexId s : simplices)
+                       if (mesh.simplex_region[s] == volumes.cell_region[CellId(c)]) in_region.push_back(s);
+                     simplices = in_region;
+                   }
+                   aspects[c] = cell.aspect(CellId(c), v, simplices);
+                 }
+               },
+               1);
   return aspects;
 }
 

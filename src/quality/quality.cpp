@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "geom/circumcenter.h"
 #include "geom/dd.h"
-#include "mesh/simplex_faces.h"
+#include "mesh/faces.h"
 #include "quality/cell_aspect.h"
 #include "quality/spread.h"
 

@@ -1,7 +1,5 @@
 #include "spheres/active_cells.h"
 
-#include <tbb/parallel_for.h>
-
 #include <cmath>
 
 #include "base/parallel.h"
@@ -91,7 +89,7 @@ ActiveCells<K>::ActiveCells(const PackingProblem<K>& problem, bool lattice, doub
 
   Obstacles all{spheres_.spheres(), problem.balls};
   Harvest harvest;
-  subdivide({{}, 0, problem.walls != nullptr ? kMixed : 0}, all, {0, 0}, harvest);
+  subdivide({{}, 0, K > 1 ? kMixed : 0}, all, {0, 0}, harvest);
   cells_ = std::move(harvest.cells);
   place_lattice(harvest.points);
 }
@@ -217,10 +215,13 @@ void ActiveCells<K>::open(const Cell& cell, const Box<K>& box, const Range& f, O
   }
   observer_.check_cancelled();
   std::vector<Harvest> harvests(parts.size());
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-    Obstacles own = obstacles.from(mine);
-    subdivide(parts[i], own, {0, 0}, harvests[i]);
-  });
+  parallel_for(
+      parts.size(),
+      [&](std::size_t i) {
+        Obstacles own = obstacles.from(mine);
+        subdivide(parts[i], own, {0, 0}, harvests[i]);
+      },
+      1);
   for (Harvest& h : harvests) {
     out.cells.insert(out.cells.end(), h.cells.begin(), h.cells.end());
     out.points.insert(out.points.end(), h.points.begin(), h.points.end());

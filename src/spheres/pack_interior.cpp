@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "geom/circumball.h"
+#include "geom/circumcenter.h"
 #include "geom/kernel.h"
 #include "spheres/active_cells.h"
 #include "spheres/independent_set.h"
@@ -90,7 +90,7 @@ class Completion {
       points[i] = s.center;
       largest = std::max(largest, s.radius);
     }
-    Vec<K> c = circumcenter(points);
+    Vec<K> c = fast_circumcenter(points);
     const double radius = distance(c, points[0]);
     // f(c) >= largest - b radius: most simplices are too small whatever f is there, and need no evaluation of it.
     const double lipschitz = problem_.spacing.lipschitz;

@@ -77,6 +77,7 @@ struct PackingProblem {
     if constexpr (K > 1) {
       if (is_reserved(x)) return Walls<K>::kOutside;
       if (walls != nullptr) return walls->region(x);
+      if (!bounds.contains(x)) return Walls<K>::kOutside;
     }
     return 0;
   }
@@ -84,7 +85,8 @@ struct PackingProblem {
   [[nodiscard]] bool meets_wall(const Box<K>& box) const {
     if constexpr (K > 1) {
       if (reserved != nullptr && reserved->touches(box)) return !reserved->covers(box);
-      return walls != nullptr && walls->touches(box);
+      if (walls != nullptr) return walls->touches(box);
+      return box.overlaps(bounds) && !(bounds.contains(box.lo) && bounds.contains(box.hi));
     }
     return false;
   }

@@ -82,6 +82,10 @@ RegionLabels<K> label_regions(const DelaunayKernel<K>& kernel, const std::vector
       labels.region[slot] = Walls<K>::kOutside;
       continue;
     }
+    if (faces.empty()) {
+      labels.region[slot] = kernel.is_finite(slot) ? 0 : Walls<K>::kOutside;
+      continue;
+    }
     const auto corners = kernel.corners(slot);
     const bool finite = kernel.is_finite(slot);
     if (!finite) seeds.push_back({slot, Walls<K>::kOutside});
@@ -118,9 +122,6 @@ RegionLabels<K> label_regions(const DelaunayKernel<K>& kernel, const std::vector
       }
     }
   }
-  // Without walls (no seed) everything finite is region 0.
-  for (int& region : labels.region)
-    if (region == kUnlabeled) region = 0;
   for (const auto& [seed, region] : seeds) {
     if (labels.region[seed] == region) continue;
     const auto corners = kernel.corners(seed);

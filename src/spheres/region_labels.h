@@ -16,7 +16,8 @@ struct RegionLabels {
   std::vector<std::uint32_t> leaking_faces;  ///< Indices of faces that have the wrong region on a side.
 };
 
-/// Labels the simplices of `kernel`, whose vertices 0 .. are the problem's fixed spheres. O(n).
+/// Labels the simplices of `kernel`, whose vertices 0 .. are the problem's fixed spheres. Without faces every finite
+/// simplex is in region 0, as PackingProblem says. O(n).
 template <int K>
 RegionLabels<K> label_regions(const DelaunayKernel<K>& kernel, const std::vector<ProtectedFace<K>>& faces);
 

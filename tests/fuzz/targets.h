@@ -62,9 +62,10 @@ inline AnyMesh parse_mesh_set(std::string_view bytes) {
     bytes.remove_prefix(end + 1);
   }
   files.resize(std::max<std::size_t>(files.size(), 2));
-  io::NodeMeshSources sources{files[0], files[1], {}, {}};
+  io::NodeMeshSources sources{files[0], files[1], {}, {}, {}};
   if (files.size() > 2) sources.face = files[2];
-  if (files.size() > 3) sources.edge = files[3];
+  if (files.size() > 3 && !files[3].bytes.empty()) sources.edge = files[3];
+  if (files.size() > 4) sources.poly = files[4];
   return io::parse_node_mesh(sources, silent_observer());
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "support/allow_threads.h"
 #include "support/certificate_case.h"
 #include "support/delaunay_mesh.h"
 
@@ -134,6 +135,7 @@ TYPED_TEST(CertificateRobustness, IgnoresVerticesThatNoSimplexUses) {
 }
 
 TYPED_TEST(CertificateRobustness, IsEqualForAnyNumberOfThreads) {
+  const test::AllowThreads allow(8);
   constexpr int D = TypeParam::value;
   CertificateCase<D> c = test::golden_case<D>(D == 2 ? 80 : 12);
   Random random(3);

@@ -1,6 +1,7 @@
 // The same input, options and seed give the same bytes, for any number of threads.
 #include <gtest/gtest.h>
 
+#include "support/allow_threads.h"
 #include "support/cases.h"
 
 namespace voropack {
@@ -8,6 +9,7 @@ namespace {
 
 template <int D>
 void threads_do_not_matter(double size) {
+  const test::AllowThreads allow(8);
   for (const test::Filling& f : test::all_fillings())
     for (const auto& input : {domains::l_shape<D>(), domains::tilted(domains::two_material_box<D>())}) {
       auto options = test::meshing_options<D>(f, size);

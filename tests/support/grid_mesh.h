@@ -54,7 +54,7 @@ Mesh<D> grid_mesh(std::size_t n) {
       const bool interface =
           !neighbor.is_none() && s < neighbor && mesh.simplex_region[s] != mesh.simplex_region[neighbor];
       if (!neighbor.is_none() && !interface) continue;
-      mesh.boundary_vertices.push_back(opposite_face<D>(mesh.simplex_vertices[s], i));
+      mesh.boundary_vertices.push_back(boundary_face<D>(mesh.simplex_vertices[s], i));
       mesh.boundary_marker.push_back(interface ? 4 : 3);
     }
   if constexpr (D == 3)

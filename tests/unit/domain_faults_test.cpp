@@ -77,6 +77,11 @@ TEST(DomainFaults, CoordinatesMustBeInRange) {
   expect_near(expect_fault(square, "too_large"), {1e300, 0});
   expect_fault(domains::mapped(domains::unit_cube(), [](const Vec<3>& x) { return 1e-200 * x; }), "too_small");
   expect_fault(domains::mapped(domains::unit_cube(), [](const Vec<3>&) { return Vec<3>{}; }), "too_small");
+  const auto cube_at = [](double far) {
+    return domains::mapped(domains::unit_cube(), [far](const Vec<3>& x) { return x + Vec<3>{far, 0, 0}; });
+  };
+  EXPECT_EQ(expect_fault(cube_at(1e13), "too_far").position[0], 1e13);
+  EXPECT_NO_THROW(build_domain(cube_at(1e11)));
 }
 
 TEST(DomainFaults, IndicesMustNamePoints) {

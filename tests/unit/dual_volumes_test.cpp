@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/parallel.h"
+#include "support/allow_threads.h"
 #include "support/delaunay_mesh.h"
 #include "voropack/dual.h"
 #include "voropack/error.h"
@@ -164,6 +165,7 @@ TEST(Dual, ScalesLeaveTheAreasOfCocircularPointsInThePlane) {
 }
 
 TEST(Dual, AnyNumberOfThreadsGivesTheSameBytes) {
+  const test::AllowThreads allow(8);
   const auto mesh = delaunay_mesh<3>(perturbed_grid<3>(12, 1e-2, 1, true), halves);
   ControlVolumes<3> one, eight;
   run_with_threads(1, [&] { one = build_control_volumes(mesh); });

@@ -100,6 +100,32 @@ TEST(NodeMesh, OfAListOfAllFacesOnlyThoseOnTheBoundaryOrMarkedAreKept) {
   EXPECT_EQ(read_as<2>(folder / "a.node").boundary_marker.raw(), (std::vector<int>{0, 0, 0, 0, 0}));
 }
 
+// What `triangle -p` writes without -e: the markers of the segments are in the .poly beside the mesh.
+TEST(NodeMesh, SegmentsOfThePolyBesideItAreTheBoundary) {
+  const TemporaryFolder folder;
+  folder.write("a.node", "5 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n5 .5 .5\n");
+  folder.write("a.ele", "4 3 0\n1 1 2 5\n2 2 3 5\n3 3 4 5\n4 4 1 5\n");
+  const std::string segments = "5 1\n1 1 2 7\n2 2 3 8\n3 3 4 9\n4 4 1 10\n5 1 5 11\n1\n1 9 9\n# by triangle\n";
+  const std::vector<int> none = {0, 0, 0, 0}, all = {7, 8, 9, 10, 11};
+  EXPECT_EQ(read_as<2>(folder / "a.node").boundary_marker.raw(), none);
+  folder.write("a.poly", "0 2 0 1\n" + segments);
+  const auto mesh = read_as<2>(folder / "a.node");
+  EXPECT_EQ(find_mesh_fault(mesh), "");
+  EXPECT_EQ(mesh.boundary_marker.raw(), all);
+  EXPECT_EQ(mesh.boundary_vertices[BoundaryId(4)], (std::array<VertexId, 2>{VertexId(0), VertexId(4)}));
+
+  // A domain with points of its own says nothing about the vertices of the mesh; the list of edges goes before both.
+  folder.write("a.poly", "3 2 0 0\n1 0 0\n2 1 0\n3 0 1\n3 1\n1 1 2 5\n2 2 3 5\n3 3 1 5\n0\n");
+  EXPECT_EQ(read_as<2>(folder / "a.node").boundary_marker.raw(), none);
+  folder.write("a.poly", "0 2 0 1\n1 1\n1 1 6 5\n0\n");
+  const Fault fault = fault_of([&] { read_mesh(folder / "a.node"); });
+  EXPECT_EQ(fault.id, "io.bad_index");
+  EXPECT_EQ(std::filesystem::path(fault.file).filename(), "a.poly");
+  EXPECT_EQ(fault.line, 3U);
+  folder.write("a.edge", "1 1\n1 1 2 3\n");
+  EXPECT_EQ(read_as<2>(folder / "a.node").boundary_marker.raw(), (std::vector<int>{3, 0, 0, 0}));
+}
+
 TEST(NodeMesh, ReadsTheAirfoil) {
   const auto path = test::shared_data("airfoil/airfoil.node");
   if (!path) GTEST_SKIP() << "shared data is absent";

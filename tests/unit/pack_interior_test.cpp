@@ -141,6 +141,31 @@ TEST(PackInterior, EpsilonFormsLeaveNoBallOpen) {
   }
 }
 
+/// Without walls the bounds are region 0, and nothing outside of them is.
+template <int K>
+void without_walls_the_bounds_are_the_region(PackingForm form) {
+  PackingProblem<K> p = unit_problem<K>(0.08, 0);
+  p.bounds.hi[0] = 0.7;
+  p.form = form;
+  p.lattice_first = true;
+  Vec<K> outside;
+  for (int k = 0; k < K; ++k) outside[k] = 0.5;
+  EXPECT_EQ(p.region_of(outside), 0);
+  outside[0] = 0.75;
+  EXPECT_EQ(p.region_of(outside), Walls<K>::kOutside);
+  const PackedInterior<K> packed = pack_interior(p, true, silent_observer());
+  EXPECT_GT(packed.spheres.size(), 10U);
+  expect_packing(packed.spheres, p);
+  EXPECT_TRUE(std::all_of(packed.regions.begin(), packed.regions.end(), [](int region) { return region == 0; }));
+  EXPECT_FALSE(packed.triangulation.simplices.empty());
+}
+TEST(PackInterior, WithoutWallsTheBoundsAreTheRegion) {
+  for (const PackingForm form : {PackingForm::kVoronoi, PackingForm::kMaximal}) {
+    without_walls_the_bounds_are_the_region<2>(form);
+    without_walls_the_bounds_are_the_region<3>(form);
+  }
+}
+
 TEST(PackInterior, OneDimensionFillsASegment) {
   PackingProblem<1> p = unit_problem<1>(0.01, 0);
   p.fixed = {{{0.0}, 0.01}, {{1.0}, 0.01}};
@@ -197,6 +222,16 @@ TEST(RegionLabels, FollowTheWalls) {
       if (n == Triangulation<2>::kNoNeighbor) continue;
       EXPECT_EQ(std::count(t.neighbors[n].begin(), t.neighbors[n].end(), s), 1);
     }
+}
+
+TEST(RegionLabels, WithoutFacesAllThatIsFiniteIsRegionZero) {
+  CutSquare c;
+  c.kernel.insert(c.points);
+  const RegionLabels<2> labels = label_regions<2>(c.kernel, {});
+  EXPECT_TRUE(labels.missing_faces.empty());
+  for (std::uint32_t s = 0; s < c.kernel.n_slots(); ++s)
+    EXPECT_EQ(labels.region[s], c.kernel.is_finite(s) ? 0 : Walls<2>::kOutside);
+  EXPECT_EQ(export_triangulation(c.kernel, labels.region).simplices.size(), 10U);
 }
 
 TEST(RegionLabels, NamesFacesThatAreMissing) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <atomic>
 
-#include "geom/space_filling_curve.h"
+#include "geom/hilbert.h"
 #include "support/cases.h"
 #include "support/sharp_domains.h"
 #include "voropack/error.h"
@@ -157,7 +157,7 @@ TEST(Triangulate, OrdersAlongAHilbertCurve) {
   const Mesh<3> mesh = triangulate(domain, pack(domain, constant_spacing(domain, 0.08)));
   std::uint64_t last = 0;
   for (const Vec<3>& x : mesh.points) {
-    const std::uint64_t key = hilbert_index(x, domain.box);
+    const std::uint64_t key = hilbert_key<3>(x, domain.box);
     EXPECT_GE(key, last);
     last = key;
   }

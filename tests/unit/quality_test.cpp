@@ -11,6 +11,7 @@
 #include "base/random.h"
 #include "quality/cell_balls.h"
 #include "quality/spread.h"
+#include "support/allow_threads.h"
 #include "support/delaunay_mesh.h"
 #include "voropack/dual.h"
 #include "voropack/quality.h"
@@ -135,6 +136,7 @@ TEST(Quality, ReentrantCornersGetFiniteFigures) {
 }
 
 TEST(Quality, AnyNumberOfThreadsGivesTheSameReport) {
+  const test::AllowThreads allow(8);
   const auto mesh = delaunay_mesh(perturbed_grid<3>(10, 1e-2));
   const auto volumes = build_control_volumes(mesh);
   QualityReport one, eight;

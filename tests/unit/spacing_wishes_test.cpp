@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "spacing/affine_envelope.h"
+#include "support/allow_threads.h"
 #include "support/plain_domain.h"
 #include "support/spacing_reference.h"
 #include "voropack/spacing.h"
@@ -257,6 +258,7 @@ TEST(Spacing, KnownConstantsAreRight) {
 }
 
 TEST(Spacing, IsTheSameForAnyNumberOfThreads) {
+  const test::AllowThreads allow(8);
   const Domain<3> domain = plain::random_features<3>(2, 3);
   std::vector<double> values[2];
   for (int run : {0, 1}) {
