@@ -58,7 +58,8 @@ struct Triangulation {
 ///
 /// Invariants, checked by `find_packing_fault`:
 ///  1. radius[s] = f(center[s]) > 0, where f is the spacing function (with the caps of the repairs).
-///  2. |center[s] - center[t]| >= radius[s] + radius[t] for s != t.
+///  2. |center[s] - center[t]| >= radius[s] + radius[t] for s != t, unless they are on two polytopes that meet below 60
+///     degrees, neither in the other.
 ///  3. center[s] lies on the polytope carrier[s], and in no protecting ball.
 template <int D>
 struct Packing {

@@ -38,7 +38,7 @@ class Check(CommandLineTest):
         inside = next(row for row in rows if all(0.2 < float(x) % 1 < 0.8 for x in row[1:4]))
         inside[1] = str(float(inside[1]) + 0.2)
         write_table(self.folder / "a.node", header, rows)
-        self.assertTrue(self.failed_checks() & {"delaunay", "packing"})
+        self.assertTrue(self.failed_checks() & {"delaunay", "packing", "conformity"})
 
     def test_a_dropped_simplex_is_found(self):
         header, rows = self.table(".ele")
