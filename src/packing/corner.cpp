@@ -23,13 +23,12 @@ std::vector<FanArc> pack_corners(const Domain<3>& domain, const Protection<3>& p
     for (const FacetId facet : protection.incidence.facets_at(apex))
       for (const Sector& sector : protection.incidence.sectors(facet, apex)) {
         const auto strand = static_cast<std::uint32_t>(strands.size());
-        const int ahead = [&](SegmentId s) {
-          return domain.segments[s][0] == apex ? 0 : 1;
-        }(sector.first.is_none() ? SegmentId(0) : sector.first);
         if (!sector.first.is_none()) {
-          ends[{sector.first, {facet, ahead}}] = {strand, false};
-          const int back = domain.segments[sector.second][0] == apex ? 1 : 0;
-          ends[{sector.second, {facet, back}}] = {strand, true};
+          const auto side = [&](SegmentId s, bool sector_follows) {
+            return (domain.segments[s][0] == apex) == sector_follows ? 0 : 1;
+          };
+          ends[{sector.first, {facet, side(sector.first, true)}}] = {strand, false};
+          ends[{sector.second, {facet, side(sector.second, false)}}] = {strand, true};
         }
         const FanArc fan{apex, facet, sector, {}};
         fans.push_back(fan);

@@ -86,7 +86,7 @@ void append_interior(Packing<D>& packing, PackedInterior<D>&& interior) {
   packing.triangulation_s = interior.triangulation_s;
 }
 
-/// True if cap a makes f nowhere less than `slack` times what cap b does.
+/// True if, under cap b, f is everywhere at most `slack` times what cap a allows.
 template <int D>
 bool is_covered(const SpacingCap<D>& a, const SpacingCap<D>& b, double lipschitz, double slack) {
   const double beyond = std::max(0.0, a.radius + distance(a.center, b.center) - b.radius);
