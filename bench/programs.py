@@ -1,6 +1,5 @@
 """The programs that bench/run.py compares: how each is asked for about n vertices, and where its mesh is."""
 import dataclasses
-import os
 import pathlib
 import re
 import shutil
@@ -28,19 +27,27 @@ def run_timed(command, folder, timeout):
         start = time.perf_counter()
         process = subprocess.Popen([str(word) for word in command], cwd=folder, stdout=stream, stderr=subprocess.STDOUT)
         deadline = start + timeout
-        while True:
-            pid, status, usage = os.wait4(process.pid, os.WNOHANG)
-            if pid != 0:
-                break
+        peak = 0
+        while process.poll() is None:
+            peak = max(peak, peak_memory(process.pid))
             if time.perf_counter() > deadline:
                 process.kill()
-                _, status, usage = os.wait4(process.pid, 0)
+                process.wait()
                 break
             time.sleep(0.002)
         wall = time.perf_counter() - start
-    process.returncode = os.waitstatus_to_exitcode(status)
-    return Finished([str(word) for word in command], wall, usage.ru_maxrss * 1024, process.returncode,
-                    log.read_text(errors="replace"))
+    return Finished([str(word) for word in command], wall, peak, process.returncode, log.read_text(errors="replace"))
+
+
+def peak_memory(pid):
+    """Peak resident memory of a running process in bytes, 0 if it is gone. (What wait4 says of a child is at least what
+    this process had when it started the child.)"""
+    try:
+        status = pathlib.Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return 0
+    found = re.search(r"^VmHWM:\s*(\d+) kB", status, re.MULTILINE)
+    return int(found[1]) * 1024 if found else 0
 
 
 class Program:

@@ -2,6 +2,7 @@
 //
 // Usage: mesh_3 SURFACE.off EDGE_LENGTH OUT.mesh [THREADS]
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_polyhedron_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
