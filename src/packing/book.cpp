@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/random.h"
-#include "geom/distance.h"
+#include "geom/polytope_distance.h"
 #include "spheres/pack_interior.h"
 
 namespace voropack {
@@ -22,7 +22,7 @@ struct PageObstacles {
   std::vector<std::array<Vec<2>, 2>> segments;
   [[nodiscard]] double distance_to(const Vec<2>& x) const {
     double least = std::numeric_limits<double>::infinity();
-    for (const auto& [a, b] : segments) least = std::min(least, distance(x, a + nearest_parameter(x, a, b) * (b - a)));
+    for (const auto& [a, b] : segments) least = std::min(least, distance_to_segment(x, a, b));
     return least;
   }
 };
@@ -112,14 +112,11 @@ Vec<3> BookZone::from_page(std::size_t page, const Vec<2>& x) const {
   return start_ + x[0] * along_ + x[1] * inward_[page];
 }
 
-void ReservedArea::add(const Domain<3>& domain, const BookZone& zone, FacetId facet) {
-  const PlaneFrame& frame = domain.facet_frame[facet];
-  for (std::size_t k = 0; k < zone.pages().size(); ++k) {
-    if (zone.pages()[k].facet != facet) continue;
-    const Vec<2> start = frame.to_plane(zone.from_page(k, {0.0, 0.0}));
-    zones_.push_back({&zone, start, frame.to_plane(zone.from_page(k, {1.0, 0.0})) - start,
-                      frame.to_plane(zone.from_page(k, {0.0, 1.0})) - start});
-  }
+void ReservedArea::add(const Domain<3>& domain, const BookZone& zone, std::size_t page) {
+  const PlaneFrame& frame = domain.facet_frame[zone.pages()[page].facet];
+  const Vec<2> start = frame.to_plane(zone.from_page(page, {0.0, 0.0}));
+  zones_.push_back({&zone, start, frame.to_plane(zone.from_page(page, {1.0, 0.0})) - start,
+                    frame.to_plane(zone.from_page(page, {0.0, 1.0})) - start});
 }
 
 bool ReservedArea::holds(const Vec<2>& x) const {

@@ -45,7 +45,8 @@ class BookZone {
 /// The part of a facet that books and corners have filled.
 class ReservedArea : public Area<2> {
  public:
-  void add(const Domain<3>& domain, const BookZone& zone, FacetId facet);
+  /// The zone in its page of that number. The zone must outlive the area.
+  void add(const Domain<3>& domain, const BookZone& zone, std::size_t page);
   void add_disc(const Ball<2>& disc) { discs_.push_back(disc); }
   [[nodiscard]] bool empty() const { return zones_.empty() && discs_.empty(); }
 

@@ -238,6 +238,7 @@ class BoundaryPacker {
         const double wobble = kTieJitter * (1 - std::cos(protection_.least_angle(spine, pages)));
         for (std::size_t k = 0; k < pages.size(); ++k) {
           FacetStart& start = starts_[pages[k].facet.value()];
+          start.reserved.add(domain_, zone, k);
           for (std::size_t i = 0; i < centers.size(); ++i) {
             Vec<2> x = centers[i].center;
             for (int axis = 0; axis < 2; ++axis) {
@@ -249,9 +250,6 @@ class BoundaryPacker {
                 add(p, std::min(spacing_(p), centers[i].radius * (1 - 2 * wobble)), PolytopeId(pages[k].facet)));
           }
         }
-        for (const Page& page : pages)
-          if (&page == &pages.front() || page.facet != (&page - 1)->facet)
-            starts_[page.facet.value()].reserved.add(domain_, zone, page.facet);
       }
   }
 
@@ -290,8 +288,8 @@ class BoundaryPacker {
         facets.size(),
         [&](std::size_t f) {
           observer_.check_cancelled();
-          facets[f] = pack_facet(domain_, FacetId(f), packing(), spheres_of_segment_, starts_[f], spacing_, options_,
-                                 observer_);
+          facets[f] = pack_facet(domain_, protection_.incidence, FacetId(f), packing(), spheres_of_segment_, starts_[f],
+                                 spacing_, options_, observer_);
         },
         1);
     for (const FacetId f : ids(domain_.facet_frame)) {

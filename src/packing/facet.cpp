@@ -1,7 +1,6 @@
 #include "packing/facet.h"
 
 #include <algorithm>
-#include <set>
 
 #include "base/random.h"
 #include "geom/circumcenter.h"
@@ -27,22 +26,18 @@ LocalSpacing<2> spacing_in_plane(const Spacing<3>& spacing, const PlaneFrame& fr
           spacing.lipschitz()};
 }
 
-/// On which sides of its segments the facet lies: side 0 is the left one in the facet's frame.
-std::vector<std::array<int, 2>> sides_of_segments(const Domain<3>& domain, FacetId facet) {
-  std::set<std::array<PointId, 2>> edges;
-  for (const auto& t : domain.facet_triangles[facet])
-    for (std::size_t i = 0; i < 3; ++i) edges.insert({t[i], t[(i + 1) % 3]});
-  std::vector<std::array<int, 2>> sides;
-  for (const SegmentId s : domain.facet_segments[facet]) {
-    const auto [a, b] = domain.segments[s];
-    sides.push_back({edges.contains({a, b}) ? 0 : Walls<2>::kOutside, edges.contains({b, a}) ? 0 : Walls<2>::kOutside});
-  }
+/// The regions beside segment s in the plane of the facet, which is region 0: on the left in its frame, then on the
+/// right.
+std::array<int, 2> sides_of_segment(const Incidence<3>& incidence, FacetId facet, SegmentId s) {
+  std::array<int, 2> sides = {Walls<2>::kOutside, Walls<2>::kOutside};
+  for (const Page& page : incidence.pages_of(s))
+    if (page.facet == facet) sides[static_cast<std::size_t>(page.side)] = 0;
   return sides;
 }
 
 }  // namespace
 
-PackedFacet pack_facet(const Domain<3>& domain, FacetId facet, const Packing<3>& packing,
+PackedFacet pack_facet(const Domain<3>& domain, const Incidence<3>& incidence, FacetId facet, const Packing<3>& packing,
                        const Csr<SegmentId, SphereId>& spheres_of_segment, const FacetStart& start,
                        const Spacing<3>& spacing, const PackingOptions& options, const Observer& observer) {
   const PlaneFrame& frame = domain.facet_frame[facet];
@@ -64,18 +59,17 @@ PackedFacet pack_facet(const Domain<3>& domain, FacetId facet, const Packing<3>&
   for (const SphereId s : result.boundary)
     problem.fixed.push_back({frame.to_plane(packing.center[s]), packing.radius[s]});
 
-  const std::vector<std::array<int, 2>> sides = sides_of_segments(domain, facet);
   Walls<2> walls;
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    const SegmentId s = domain.facet_segments[facet][i];
+  for (const SegmentId s : domain.facet_segments[facet]) {
+    const std::array<int, 2> sides = sides_of_segment(incidence, facet, s);
     walls.simplices.push_back(
         {frame.to_plane(domain.points[domain.segments[s][0]]), frame.to_plane(domain.points[domain.segments[s][1]])});
-    walls.regions.push_back(sides[i]);
+    walls.regions.push_back(sides);
     const auto chain = spheres_of_segment[s];
     for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
       const std::array<std::uint32_t, 2> ends = {local(chain[k]), local(chain[k + 1])};
       const Vec<2> a = problem.fixed[ends[0]].center, b = problem.fixed[ends[1]].center;
-      problem.faces.push_back({ends, sides[i]});
+      problem.faces.push_back({ends, sides});
       problem.balls.push_back({0.5 * (a + b), 0.5 * distance(a, b)});
     }
   }

@@ -29,7 +29,7 @@ struct FacetStart {
 };
 
 /// `spheres_of_segment[s]`: the spheres along segment s, both ends included, in order.
-PackedFacet pack_facet(const Domain<3>& domain, FacetId facet, const Packing<3>& packing,
+PackedFacet pack_facet(const Domain<3>& domain, const Incidence<3>& incidence, FacetId facet, const Packing<3>& packing,
                        const Csr<SegmentId, SphereId>& spheres_of_segment, const FacetStart& start,
                        const Spacing<3>& spacing, const PackingOptions& options, const Observer& observer);
 

@@ -20,25 +20,21 @@ namespace {
 template <int D>
 constexpr double kBytesPerVertex = D == 3 ? 1200 : 500;
 
+std::array<int, 2> regions_of_wall(const std::array<RegionId, 2>& sides) {
+  std::array<int, 2> result;
+  for (std::size_t i = 0; i < 2; ++i)
+    result[i] = sides[i].is_none() ? Walls<2>::kOutside : static_cast<int>(sides[i].value());
+  return result;
+}
+
 /// Walls of the domain with the regions on their sides.
 WallLocator<2> locator_of(const Domain<2>& domain) {
   Walls<2> walls;
   for (const SegmentId s : ids(domain.segments)) {
     walls.simplices.push_back({domain.points[domain.segments[s][0]], domain.points[domain.segments[s][1]]});
-    walls.regions.push_back({});
+    walls.regions.push_back(regions_of_wall(domain.wall_regions[s.value()]));
   }
-  for (std::size_t w = 0; w < walls.regions.size(); ++w)
-    for (std::size_t side = 0; side < 2; ++side) {
-      const RegionId r = domain.wall_regions[w][side];
-      walls.regions[w][side] = r.is_none() ? Walls<2>::kOutside : static_cast<int>(r.value());
-    }
   return WallLocator<2>(std::move(walls));
-}
-
-std::array<int, 2> regions_of_wall(const std::array<RegionId, 2>& sides) {
-  std::array<int, 2> result;
-  for (std::size_t i = 0; i < 2; ++i) result[i] = sides[i].is_none() ? -1 : static_cast<int>(sides[i].value());
-  return result;
 }
 
 WallLocator<3> locator_of(const Domain<3>& domain) {

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "geom/distance.h"
+#include "geom/polytope_distance.h"
 
 namespace voropack {
 
@@ -77,8 +78,8 @@ bool Protection<D>::open_corner(PointId p, const Spacing<D>& spacing) {
     for (const SegmentId s : domain_.facet_segments[f]) {
       const auto [a, b] = domain_.segments[s];
       if (a == p || b == p) continue;
-      const Vec<D> start = domain_.points[a], along = domain_.points[b] - start, x = domain_.points[p];
-      radius = std::min(radius, kCornerShare * distance(x, start + nearest_parameter(x, start, start + along) * along));
+      radius =
+          std::min(radius, kCornerShare * distance_to_segment(domain_.points[p], domain_.points[a], domain_.points[b]));
     }
   corners.emplace(p, radius);
   return true;
@@ -168,8 +169,7 @@ auto Protection<D>::adapt(const Intrusion<D>& it, const Spacing<D>& spacing) -> 
       double least = 0;
       for (const SegmentId s : incidence.common_segments(FacetId(it.carrier.index), FacetId(it.ball_carrier.index))) {
         const auto [a, b] = domain_.segments[s];
-        const Vec<3> p = domain_.points[a], q = domain_.points[b];
-        const double d = distance(it.position, p + nearest_parameter(it.position, p, q) * (q - p));
+        const double d = distance_to_segment(it.position, domain_.points[a], domain_.points[b]);
         if (!nearest || d < least) nearest = s, least = d;
       }
       if (nearest) return between_pages(it, *nearest, spacing);

@@ -43,7 +43,7 @@ class StrandPacker {
   [[nodiscard]] PackedStrand pack(std::uint32_t index) const {
     const Strand<D>& strand = strands_[index];
     std::array<std::vector<Shell>, 2> shells = shells_[index];
-    const bool is_free = shells[0].empty() && shells[1].empty() && !is_full_[index] != 0;
+    const bool is_free = shells[0].empty() && shells[1].empty() && is_full_[index] == 0;
     if (is_free && strand.positions) return with_radii(index, strand.positions(), {}, {});
     // Where two ties leave no room between them, the longer one gives way.
     const auto last = [](const std::vector<Shell>& s) { return s.empty() ? Shell{0, 0} : s.back(); };
@@ -56,7 +56,7 @@ class StrandPacker {
     std::vector<double> positions, radii;
     for (const Shell& s : shells[0]) positions.push_back(s.position), radii.push_back(s.radius);
     const double begin = last(shells[0]).position, end = strand.length - last(shells[1]).position;
-    if (!is_full_[index] != 0)
+    if (is_full_[index] == 0)
       for (const double t : middle(index, begin, end)) positions.push_back(t), radii.push_back(-1);
     for (auto s = shells[1].rbegin(); s != shells[1].rend(); ++s)
       positions.push_back(strand.length - s->position), radii.push_back(s->radius);
