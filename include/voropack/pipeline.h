@@ -19,8 +19,8 @@ template <int D>
 struct MeshingOptions {
   DomainOptions domain;
   SizeWishes<D> wishes;
-  double gradation = 0.1;        ///< b of SpacingOptions.
-  double feature_factor = 0.45;  ///< a of SpacingOptions.
+  double gradation = SpacingOptions{}.gradation;            ///< b of SpacingOptions.
+  double feature_factor = SpacingOptions{}.feature_factor;  ///< a of SpacingOptions.
   PackingOptions packing;
   int threads = 0;  ///< 0: as many as the machine has.
 };

@@ -59,8 +59,8 @@ struct SpacingCap {
 };
 
 struct SpacingOptions {
-  double gradation = 0.1;         ///< b, Lipschitz constant of f. In (0, 0.4].
-  double feature_factor = 0.45;   ///< a: f <= a * lfs on every polytope of dimension < D. In (0, 1].
+  double gradation = 0.25;        ///< b, Lipschitz constant of f. In (0, 0.4].
+  double feature_factor = 0.75;   ///< a: f <= a * lfs on every polytope of dimension < D. In (0, 1].
   double edge_per_spacing = 3.3;  ///< Mean edge length divided by f, far from features: turns sizes into f.
 };
 

@@ -18,9 +18,12 @@ constexpr double kOnFace = 1e-9;
 /// Barycentric coordinates above minus this are those of a point in the simplex: a walk has arrived.
 constexpr double kInside = 1e-12;
 
-/// Largest radius-edge ratio to accept where the theory gives no bound. Packings with b = 0.2 have been seen to reach
-/// 2.8 beside a segment inside a facet.
+/// Largest radius-edge ratio to accept where the theory gives no bound. What the epsilon-maximal forms keep, and most
+/// meshes of other programs.
 constexpr double kPracticalRadiusEdge = 4;
+/// What Voronoi-maximal packings keep away from sharp features, whatever b is: they shrink f where a simplex exceeds
+/// it.
+constexpr double kVoronoiRadiusEdge = 2.5;
 
 /// Sharp simplices may have a ratio of this over the sine of half the angle: a triangle or tetrahedron between two
 /// polytopes at that angle has its short edges across. Up to 4.7 has been seen.
@@ -40,7 +43,10 @@ struct RatioBounds {
   double vertex, edge_ball, face_ball;
 };
 
-double ratio_bound(double g, double b) { return g > b ? 1 / (2 * (g - b)) : kPracticalRadiusEdge; }
+double ratio_bound(double g, double b, PackingForm form) {
+  const double bound = g > b ? 1 / (2 * (g - b)) : kPracticalRadiusEdge;
+  return form == PackingForm::kVoronoi ? std::min(bound, kVoronoiRadiusEdge) : bound;
+}
 
 RatioBounds ratio_bounds(const CertificateOptions& options, bool has_spacing, double b) {
   if (options.radius_edge) return {*options.radius_edge, *options.radius_edge, *options.radius_edge};
@@ -51,7 +57,8 @@ RatioBounds ratio_bounds(const CertificateOptions& options, bool has_spacing, do
   };
   const double delta_1 = (1 - b) / (2 + epsilon * (1 + b));
   const double delta_2 = std::min(delta_1, in_ball(delta_1));
-  return {ratio_bound(delta_1, b), ratio_bound(in_ball(delta_1), b), ratio_bound(in_ball(delta_2), b)};
+  return {ratio_bound(delta_1, b, options.form), ratio_bound(in_ball(delta_1), b, options.form),
+          ratio_bound(in_ball(delta_2), b, options.form)};
 }
 
 /// Which protecting balls hold a point.

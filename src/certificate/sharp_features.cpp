@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <set>
 
+#include "base/disjoint_sets.h"
 #include "geom/tolerance.h"
 
 namespace voropack::judge {
@@ -15,19 +15,6 @@ namespace {
 
 /// Chains of edges that turn by less than this (radians) at a vertex are straight.
 constexpr double kStraight = 1e-6;
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t i, std::uint32_t j) { parent_[find(i)] = find(j); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 template <int D>
 double angle_of(const Vec<D>& u, const Vec<D>& v) {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "base/disjoint_sets.h"
 #include "base/random.h"
 #include "geom/distance.h"
 #include "geom/predicates.h"
@@ -15,24 +15,6 @@ namespace {
 
 constexpr std::uint64_t kMaxAttempts = 64;  // Directions that are tried before the best of them is taken.
 constexpr double kReach = 3;                // A ray of so many diameters leaves the domain.
-
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  /// The smaller root stays.
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// A sum with Neumaier's compensation.
 class Sum {
@@ -123,7 +105,7 @@ Volumes<D>::Volumes(const Walls<D>& walls, const std::vector<Fin>& fins) : walls
 
 template <int D>
 std::vector<std::uint32_t> Volumes<D>::join_at_ridges(const std::vector<Fin>& fins) const {
-  UnionFind sides(2 * walls_.n_walls);
+  DisjointSets sides(2 * walls_.n_walls);
   for (std::size_t begin = 0; begin < fins.size();) {
     std::size_t end = begin;
     while (end < fins.size() && fins[end].ridge == fins[begin].ridge) ++end;
@@ -222,7 +204,7 @@ auto Volumes<D>::line_through(std::uint32_t simplex, std::uint64_t salt) const -
 template <int D>
 void Volumes<D>::join_nested(const std::vector<std::uint32_t>& side_shell, std::size_t n_shells) {
   const std::vector<Shell> shells = measure_shells(side_shell, n_shells);
-  UnionFind joined(n_shells + 1);
+  DisjointSets joined(n_shells + 1);
   const auto outside = static_cast<std::uint32_t>(n_shells);
   const auto shell_at = [&](const Crossing& crossing, bool far) {
     return side_shell[2 * crossing.wall + static_cast<std::size_t>(far ? crossing.far_side : 1 - crossing.far_side)];

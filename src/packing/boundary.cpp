@@ -174,12 +174,14 @@ class BoundaryPacker {
     return ties;
   }
 
-  /// Makes the spheres of a chain small enough not to overlap the next ones.
+  /// Makes the spheres of a chain small enough not to overlap the next ones, unless these are across a sharp feature.
   void fit_radii(const std::vector<SphereId>& chain) {
     for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
       double &r = packing().radius[chain[k]], &s = packing().radius[chain[k + 1]];
       const double gap = distance(packing().center[chain[k]], packing().center[chain[k + 1]]);
       if (gap >= (r + s) * (1 - kPackingSlack)) continue;
+      if (protection_.incidence.form_sharp_feature(packing().carrier[chain[k]], packing().carrier[chain[k + 1]]))
+        continue;
       const double factor = gap / (r + s);
       r *= factor;
       s *= factor;
@@ -296,13 +298,20 @@ class BoundaryPacker {
       const PackedFacet& facet = facets[f.value()];
       result_.faults.insert(result_.faults.end(), facet.faults.begin(), facet.faults.end());
       const std::size_t first = packing().center.size();
+      const auto sphere = [&](std::uint32_t i) {
+        return i < facet.boundary.size() ? facet.boundary[i] : SphereId(first + i - facet.boundary.size());
+      };
       for (std::size_t i = 0; i < facet.centers.size(); ++i) add(facet.centers[i], facet.radii[i], PolytopeId(f));
+      for (const TiedPolygon& polygon : facet.tied) {
+        std::vector<SphereId> corners;
+        for (const std::uint32_t i : polygon.points) corners.push_back(sphere(i));
+        for (const std::uint32_t t : polygon.triangles) tied_with_ball_[result_.balls.size() + t] = corners;
+      }
       for (const auto& t : facet.triangles) {
         ProtectedSimplex<2> subfacet{{}, PolytopeId(f)};
         std::array<Vec<3>, 3> corners;
         for (std::size_t i = 0; i < 3; ++i) {
-          subfacet.spheres[i] =
-              t[i] < facet.boundary.size() ? facet.boundary[t[i]] : SphereId(first + t[i] - facet.boundary.size());
+          subfacet.spheres[i] = sphere(t[i]);
           corners[i] = packing().center[subfacet.spheres[i]];
         }
         packing().subfacets.push_back(subfacet);
@@ -312,10 +321,13 @@ class BoundaryPacker {
     }
   }
 
+  /// Of the ball's simplex, or of the tied polygon that the simplex is a part of.
   [[nodiscard]] bool is_corner(std::size_t ball, SphereId s) const {
     const auto& p = result_.packing;
     if (ball < p.subsegments.size()) return std::ranges::count(p.subsegments[ball].spheres, s) > 0;
-    return std::ranges::count(p.subfacets[ball - p.subsegments.size()].spheres, s) > 0;
+    if (std::ranges::count(p.subfacets[ball - p.subsegments.size()].spheres, s) > 0) return true;
+    const auto tied = tied_with_ball_.find(ball);
+    return tied != tied_with_ball_.end() && std::ranges::count(tied->second, s) > 0;
   }
 
   /// Faults where a center lies in a protecting ball or too near to one. Pairs of a sphere below `old_spheres` and a
@@ -336,13 +348,27 @@ class BoundaryPacker {
   }
 
   void answer(SphereId s, std::uint32_t ball) {
-    const Intrusion<D> intrusion{packing().center[s], packing().carrier[s], result_.balls[ball],
-                                 carrier_of(ball),    corner_of(s),         corner_of_ball(ball)};
+    const Intrusion<D> intrusion{packing().center[s],
+                                 packing().carrier[s],
+                                 result_.balls[ball],
+                                 carrier_of(ball),
+                                 nearest_corner(ball, packing().center[s]),
+                                 corner_of(s),
+                                 corner_of_ball(ball)};
     const auto cap = protection_.adapt(intrusion, spacing_);
     if (cap)
       result_.faults.push_back(*cap);
     else
       result_.protects_more = true;
+  }
+
+  [[nodiscard]] Vec<D> nearest_corner(std::uint32_t ball, const Vec<D>& x) const {
+    const auto& p = result_.packing;
+    const auto nearest = [&](const auto& spheres) {
+      return p.center[*std::ranges::min_element(spheres, {}, [&](SphereId s) { return distance_sq(p.center[s], x); })];
+    };
+    return ball < p.subsegments.size() ? nearest(p.subsegments[ball].spheres)
+                                       : nearest(p.subfacets[ball - p.subsegments.size()].spheres);
   }
 
   [[nodiscard]] PolytopeId carrier_of(std::uint32_t ball) const {
@@ -393,9 +419,10 @@ class BoundaryPacker {
   const Observer& observer_;
   BoundaryPacking<D> result_;
   Csr<SegmentId, SphereId> spheres_of_segment_;
-  std::vector<FacetStart> starts_;                ///< By facet.
-  std::vector<std::unique_ptr<BookZone>> zones_;  ///< Reserved areas refer to them.
-  std::map<SphereId, PointId> corner_of_sphere_;  ///< Of centers on the spheres of corners.
+  std::vector<FacetStart> starts_;                               ///< By facet.
+  std::vector<std::unique_ptr<BookZone>> zones_;                 ///< Reserved areas refer to them.
+  std::map<std::size_t, std::vector<SphereId>> tied_with_ball_;  ///< The corners of its tied polygon.
+  std::map<SphereId, PointId> corner_of_sphere_;                 ///< Of centers on the spheres of corners.
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "packing/book.h"
+#include "packing/tied_polygons.h"
 #include "spheres/pack_interior.h"
 #include "voropack/domain.h"
 #include "voropack/packing.h"
@@ -17,6 +18,7 @@ struct PackedFacet {
   /// Corners: below boundary.size() an entry of `boundary`, else a new center. Positively oriented in the facet's
   /// frame.
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<TiedPolygon> tied;      ///< Of these corners and triangles.
   std::vector<SphereId> boundary;     ///< The spheres on the facet's points and segments.
   std::vector<SpacingCap<3>> faults;  ///< Where f must shrink, because a subsegment is not Delaunay in the facet.
 };

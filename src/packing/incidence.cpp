@@ -74,6 +74,20 @@ std::vector<PointId> Incidence<D>::common_points(PolytopeId a, PolytopeId b) con
 }
 
 template <int D>
+std::vector<PolytopeId> Incidence<D>::holders(PolytopeId p) const {
+  std::vector<PolytopeId> result;
+  if (p.dimension == 0) {
+    for (const SegmentId s : segments_at(PointId(p.index))) result.push_back(PolytopeId(s));
+    for (const FacetId f : facets_at(PointId(p.index))) result.push_back(PolytopeId(f));
+  } else if (p.dimension < D) {
+    result.push_back(p);
+    if (p.dimension == 1)
+      for (const Page& page : pages_of(SegmentId(p.index))) result.push_back(PolytopeId(page.facet));
+  }
+  return result;
+}
+
+template <int D>
 std::vector<SegmentId> Incidence<D>::common_segments(FacetId f, FacetId g) const {
   const auto of_f = domain_.facet_segments[f], of_g = domain_.facet_segments[g];
   std::vector<SegmentId> common;

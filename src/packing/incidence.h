@@ -42,6 +42,9 @@ class Incidence {
   /// True if `lower` is in the closure of `upper`.
   [[nodiscard]] bool contains(PolytopeId upper, PolytopeId lower) const;
 
+  /// The segments and facets whose closure holds the polytope, itself included if it is one.
+  [[nodiscard]] std::vector<PolytopeId> holders(PolytopeId p) const;
+
   /// Unit vector from p along its segment s.
   [[nodiscard]] Vec<D> direction(SegmentId s, PointId p) const;
   /// The sectors of a facet at one of its points.

@@ -9,6 +9,7 @@
 #include "geom/circumcenter.h"
 #include "packing/boundary.h"
 #include "packing/incidence.h"
+#include "packing/stretched.h"
 #include "spheres/pack_interior.h"
 #include "voropack/packing.h"
 
@@ -19,6 +20,9 @@ namespace {
 /// Peak memory of the whole pipeline per vertex in bytes, measured (docs/theory/packing.md).
 template <int D>
 constexpr double kBytesPerVertex = D == 3 ? 1200 : 500;
+
+/// So often f shrinks around stretched simplices; then they stay, and the certificate names them.
+constexpr int kStretchedRounds = 8;
 
 std::array<int, 2> regions_of_wall(const std::array<RegionId, 2>& sides) {
   std::array<int, 2> result;
@@ -133,6 +137,7 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
   const WallLocator<D> walls = locator_of(domain);
   std::vector<SpacingCap<D>> caps;
   Protection<D> protection(domain);
+  int n_stretched = 0;
   for (int round = 0; round <= options.max_repairs; ++round) {
     observer.check_cancelled();
     const Spacing<D> f = caps.empty() ? spacing : spacing.with_caps(caps);
@@ -145,9 +150,13 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
       PackedInterior<D> interior = pack_interior(problem, false, observer);
       if (interior.broken_faces.empty()) {
         append_interior(boundary.packing, std::move(interior));
-        boundary.packing.repairs = std::move(all_caps);
-        boundary.packing.repair_rounds = round;
-        return std::move(boundary.packing);
+        boundary.faults = stretched_simplices(boundary.packing, protection.incidence);
+        if (boundary.faults.empty() || n_stretched >= kStretchedRounds) {
+          boundary.packing.repairs = std::move(all_caps);
+          boundary.packing.repair_rounds = round;
+          return std::move(boundary.packing);
+        }
+        ++n_stretched;
       }
       const std::size_t first = boundary.balls.size() - problem.faces.size();
       for (const std::uint32_t i : interior.broken_faces)

@@ -19,6 +19,8 @@ constexpr double kCornerShare = 0.4;
 constexpr double kNear = 4;
 /// A center this near to a protecting sphere, relative to its radius, is there by symmetry.
 constexpr double kTie = 1e-7;
+/// A center is beside a corner of a simplex when it is this near, relative to the radius of the simplex's ball.
+constexpr double kBeside = 0.2;
 /// A corner's sphere shrinks by this factor if something that does not touch the corner comes too near.
 constexpr double kCornerShrink = 0.7;
 /// One round shrinks f at most and at least by these factors.
@@ -58,6 +60,17 @@ double Protection<D>::height(const Intrusion<D>& it) const {
     return std::abs(domain_.facet_frame[FacetId(it.ball_carrier.index)].height(it.position));
   else
     return 0;
+}
+
+/// The radius at which the ball would be clear of the center. For a center beside a corner of the ball's simplex: the
+/// ball shrinks about that corner, since the center's polytope comes as near wherever they are tied. Else the ball may
+/// be anywhere below the center.
+template <int D>
+double Protection<D>::clear_radius(const Intrusion<D>& it) const {
+  const Vec<D> to = it.position - it.nearest;
+  const double above = height(it);
+  if (norm(to) > kBeside * it.ball.radius) return above;
+  return std::max(above, 0.5 * norm_sq(to) * it.ball.radius / dot(to, it.ball.center - it.nearest));
 }
 
 template <int D>
@@ -116,7 +129,7 @@ auto Protection<D>::at_point(const Intrusion<D>& it, const Spacing<D>& spacing) 
     for (const PointId p : incidence.common_points(it.carrier, it.ball_carrier))
       if (distance(domain_.points[p], it.position) < kNear * it.ball.radius && open_corner(p, spacing))
         return std::nullopt;
-  return shrink(it, height(it), spacing);
+  return shrink(it, clear_radius(it), spacing);
 }
 
 // The book principle: with x turned into the page of triangle t, pow_t(x) = pow_t(x') + 4 x_r c_r sin^2(angle / 2),

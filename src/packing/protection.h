@@ -60,6 +60,7 @@ struct Intrusion {
   PolytopeId carrier;
   Ball<D> ball;
   PolytopeId ball_carrier;
+  Vec<D> nearest;                        ///< The corner of the ball's simplex that is nearest to the center.
   std::optional<PointId> center_corner;  ///< The corner on whose sphere the center is.
   std::optional<PointId> ball_corner;    ///< The corner whose fan the ball belongs to.
 };
@@ -98,6 +99,7 @@ class Protection {
   bool open_corner(PointId p, const Spacing<D>& spacing);
   bool shrink_corner(const Intrusion<D>& it);
   [[nodiscard]] double height(const Intrusion<D>& it) const;
+  [[nodiscard]] double clear_radius(const Intrusion<D>& it) const;
 
   struct State {
     Groups<PointId, SegmentId> fans;

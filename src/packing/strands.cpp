@@ -17,7 +17,7 @@ namespace {
 /// Tied strands go their own ways where they are this many f apart: protecting balls of independent points then do not
 /// reach the other strand.
 constexpr double kApart = 1.5;
-/// Of a strand that is tied at both ends, each tie gets at most this part.
+/// Of a strand that is tied at both ends, each tie gets this part if it wants it, and what the other one leaves.
 constexpr double kShare = 0.45;
 /// Room in f that a tie leaves to the far end of a strand that goes on alone.
 constexpr double kLeftover = 2.5;
@@ -34,10 +34,12 @@ class StrandPacker {
         is_full_(strands.size()) {}
 
   void tie(const std::vector<Tie>& ties) {
-    std::vector<std::array<bool, 2>> is_tied(strands_.size());
-    for (const Tie& t : ties)
-      for (const StrandEnd& e : t.ends) is_tied[e.strand][e.is_far ? 1 : 0] = true;
-    for (const Tie& t : ties) add_shells(t, is_tied);
+    std::vector<std::array<double, 2>> wanted(strands_.size());
+    for (const Tie& t : ties) {
+      const double w = wanted_reach(t);
+      for (const StrandEnd& e : t.ends) wanted[e.strand][e.is_far ? 1 : 0] = w;
+    }
+    for (const Tie& t : ties) add_shells(t, wanted);
   }
 
   [[nodiscard]] PackedStrand pack(std::uint32_t index) const {
@@ -73,53 +75,61 @@ class StrandPacker {
     return s.at(e.is_far ? s.length - t : t);
   }
 
-  /// How far the tie may reach, and whether that is the whole length of all its strands.
-  [[nodiscard]] std::pair<double, bool> reach(const Tie& tie, const std::vector<std::array<bool, 2>>& is_tied) const {
-    double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+  /// f at distance t from the common point, on the strand where it is least.
+  [[nodiscard]] double least(const Tie& tie, double t) const {
+    double f = std::numeric_limits<double>::infinity();
+    for (const StrandEnd& e : tie.ends) f = std::min(f, spacing_(at(e, t)));
+    return f;
+  }
+
+  [[nodiscard]] double shortest(const Tie& tie) const {
+    double length = std::numeric_limits<double>::infinity();
+    for (const StrandEnd& e : tie.ends) length = std::min(length, strands_[e.strand].length);
+    return length;
+  }
+
+  /// The distance at which the strands are far enough apart, or the length of the shortest.
+  [[nodiscard]] double wanted_reach(const Tie& tie) const {
+    const double slope = std::sin(std::min(tie.angle, std::numbers::pi / 2)), length = shortest(tie);
+    for (double t = 0; t < length; t += 0.25 * least(tie, t)) {
+      double largest = 0;
+      for (const StrandEnd& e : tie.ends) largest = std::max(largest, spacing_(at(e, t)));
+      if ((tie.start + t) * slope >= kApart * largest) return t;
+    }
+    return length;
+  }
+
+  /// How far a tie may reach along a strand of its own, of which the one at the other end wants a part.
+  [[nodiscard]] static double allowed_reach(double length, double own, double other) {
+    const double share = kShare * length;
+    return own <= share ? own : std::max(share, length - other);
+  }
+
+  void add_shells(const Tie& tie, const std::vector<std::array<double, 2>>& wanted) {
+    double end = shortest(tie), longest = 0;
     bool is_full = true;
     for (const StrandEnd& e : tie.ends) {
       const double length = strands_[e.strand].length;
-      const bool both = is_tied[e.strand][e.is_far ? 0 : 1];
-      is_full = is_full && !both;
-      shortest = std::min(shortest, both ? kShare * length : length);
+      const double own = wanted[e.strand][e.is_far ? 1 : 0], other = wanted[e.strand][e.is_far ? 0 : 1];
+      end = std::min(end, other > 0 ? allowed_reach(length, own, other) : own);
       longest = std::max(longest, length);
+      is_full = is_full && other == 0 && own >= length;
     }
-    return {shortest, is_full && longest - shortest <= 1e-9 * longest};
-  }
-
-  void add_shells(const Tie& tie, const std::vector<std::array<bool, 2>>& is_tied) {
-    const auto least = [&](double t) {
-      double f = std::numeric_limits<double>::infinity();
-      for (const StrandEnd& e : tie.ends) f = std::min(f, spacing_(at(e, t)));
-      return f;
-    };
-    const auto largest = [&](double t) {
-      double f = 0;
-      for (const StrandEnd& e : tie.ends) f = std::max(f, spacing_(at(e, t)));
-      return f;
-    };
-    auto [end, is_full] = reach(tie, is_tied);
-    const double slope = std::sin(std::min(tie.angle, std::numbers::pi / 2));
-    double t = 0;
-    while (t < end && (tie.start + t) * slope < kApart * largest(t)) t += 0.25 * least(t);
-    if (t < end) {
-      end = t;
-      is_full = false;
-    } else if (!is_full) {
+    is_full = is_full && longest - end <= 1e-9 * longest;
+    if (!is_full)
       for (const StrandEnd& e : tie.ends)
-        if (!is_tied[e.strand][e.is_far ? 0 : 1])
+        if (wanted[e.strand][e.is_far ? 0 : 1] == 0)
           end = std::min(end, strands_[e.strand].length - kLeftover * spacing_(at(e, end)));
-    }
     if (!(end > 0)) return;
-    const LocalSpacing<1> along{[&](const Vec<1>& x) { return least(x[0]); }, {}, spacing_.lipschitz()};
+    const LocalSpacing<1> along{[&](const Vec<1>& x) { return least(tie, x[0]); }, {}, spacing_.lipschitz()};
     std::vector<double> positions = equidistribute(end, along);
-    if (!is_full && end >= least(0) + least(end)) positions.push_back(end);
+    if (!is_full && end >= least(tie, 0) + least(tie, end)) positions.push_back(end);
     for (std::size_t m = 0; m < tie.ends.size(); ++m) {
       const StrandEnd& e = tie.ends[m];
       auto& shells = shells_[e.strand][e.is_far ? 1 : 0];
       for (std::size_t k = 0; k < positions.size(); ++k) {
         // Two equal distances t leave room for moves of t^2 (1 - cos angle) / f.
-        const double f = least(positions[k]), t_over_f = (tie.start + positions[k]) / f;
+        const double f = least(tie, positions[k]), t_over_f = (tie.start + positions[k]) / f;
         const double wobble = jitter_ * std::min(1.0, (1 - std::cos(tie.angle)) * t_over_f * t_over_f);
         const double noise = 2 * to_unit(hash_words(seed_, e.strand, e.is_far, k)) - 1;
         shells.push_back({positions[k] + wobble * f * noise, f * (1 - 2 * wobble)});

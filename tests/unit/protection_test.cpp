@@ -152,7 +152,7 @@ TEST(Protection, TiesSegmentsBeforeItShrinksF) {
   ASSERT_EQ(fan.size(), 2U);
   const Vec<2> x = 0.4 * protection.incidence.direction(fan[1], PointId(4));
   const Vec<2> c = 0.4 * protection.incidence.direction(fan[0], PointId(4));
-  const Intrusion<2> intrusion{x, PolytopeId(fan[1]), {c, 0.06}, PolytopeId(fan[0]), {}, {}};
+  const Intrusion<2> intrusion{x, PolytopeId(fan[1]), {c, 0.06}, PolytopeId(fan[0]), c, {}, {}};
   protection.begin_round();
   for (int i = 0; i < 2; ++i) {
     EXPECT_FALSE(protection.adapt(intrusion, spacing));
@@ -183,7 +183,7 @@ TEST(Protection, MakesBooksOfPagesThenCornersThenShrinksF) {
   // Near an end of the spine.
   const auto at = [&](const Page& p) { return start + 0.1 * along + 0.2 * protection.incidence.inward(p, spine); };
   const Intrusion<3> intrusion{
-      at(pages[1]), PolytopeId(pages[1].facet), {at(pages[0]), 0.07}, PolytopeId(pages[0].facet), {}, {}};
+      at(pages[1]), PolytopeId(pages[1].facet), {at(pages[0]), 0.07}, PolytopeId(pages[0].facet), start, {}, {}};
   protection.begin_round();
   EXPECT_FALSE(protection.adapt(intrusion, spacing));
   EXPECT_TRUE(protection.books.joined(spine, pages[0], pages[1]));
@@ -213,10 +213,10 @@ TEST(Protection, ShakesWhatIsCocircularAndShrinksFWithinAPolytope) {
   const Vec<3> x = 0.5 * (domain.points[domain.segments[s][0]] + domain.points[domain.segments[s][1]]);
   const Vec<3> inward = protection.incidence.inward(protection.incidence.pages_of(s)[0], s);
   protection.begin_round();
-  const Intrusion<3> tie{x, PolytopeId(s), {x + 0.1 * inward, 0.1}, PolytopeId(f), {}, {}};
+  const Intrusion<3> tie{x, PolytopeId(s), {x + 0.1 * inward, 0.1}, PolytopeId(f), x + 0.2 * inward, {}, {}};
   EXPECT_FALSE(protection.adapt(tie, spacing));
   EXPECT_TRUE(protection.shaken.contains(s));
-  const Intrusion<3> inside{x, PolytopeId(s), {x + 0.05 * inward, 0.1}, PolytopeId(f), {}, {}};
+  const Intrusion<3> inside{x, PolytopeId(s), {x + 0.05 * inward, 0.1}, PolytopeId(f), x + 0.2 * inward, {}, {}};
   const auto cap = protection.adapt(inside, spacing);
   ASSERT_TRUE(cap);
   EXPECT_LT(cap->value, spacing(cap->center));

@@ -133,6 +133,21 @@ TEST(Strands, TiedAtBothEnds) {
   EXPECT_EQ(packed[2].tied_end, 0);
 }
 
+/// A tie at a tiny angle may have what one at a wide angle leaves: most of a strand.
+TEST(Strands, ATieTakesWhatTheOtherDoesNotWant) {
+  const Domain<2> domain = build_domain(domains::unit_square());
+  const Spacing<2> spacing = constant_spacing(domain, 0.004);
+  Star star({0, 0.1, 0.2}, {0.4, 0.4, 0.4});
+  Tie far;
+  far.ends = {{0, true}, {1, true}};
+  far.angle = sharp::radians(50);
+  star.tie.ends = {{1, false}, {2, false}};
+  const auto packed = pack_strands<2>(star.strands, {star.tie, far}, spacing, 0, 1);
+  for (std::size_t i = 0; i < 3; ++i) expect_room(star.strands[i], packed[i], spacing);
+  EXPECT_GT(packed[1].tied_begin, 0.9 * 0.4);
+  EXPECT_GT(packed[1].tied_end, 0.004);
+}
+
 TEST(Strands, AStepIsNoLongerThanAsked) {
   const Domain<2> domain = build_domain(domains::unit_square());
   const Spacing<2> spacing = constant_spacing(domain, 0.2);

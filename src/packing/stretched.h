@@ -1,0 +1,20 @@
+// Simplices whose circumradius is large beside their shortest edge although no sharp feature explains it.
+#pragma once
+
+#include <vector>
+
+#include "packing/incidence.h"
+#include "voropack/packing.h"
+
+namespace voropack {
+
+/// Circumradius divided by shortest edge that packings keep away from sharp features. Theory bounds it for small b only
+/// (docs/theory/certificate.md, radius_edge).
+inline constexpr double kRadiusEdge = 2.5;
+
+/// For each simplex of the packing's triangulation that exceeds kRadiusEdge, and no two of whose corners lie on two
+/// polytopes of one sharp feature: a cap under which no ball there is empty and as large beside that edge. O(n).
+template <int D>
+std::vector<SpacingCap<D>> stretched_simplices(const Packing<D>& packing, const Incidence<D>& incidence);
+
+}  // namespace voropack
