@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "base/random.h"
 #include "geom/polytope_distance.h"
@@ -12,20 +13,17 @@ namespace voropack {
 
 namespace {
 
-/// In a zone y is at most this part of the distance to whatever else is in a page.
+/// In a zone y is at most this part of the distance to other spines and corners of a page.
 constexpr double kZoneShare = 0.8;
-/// The height of a zone is known at this many places along the spine and linear between them.
+/// Where a zone is higher than that beside something else in a page, it stays so many f away.
+constexpr double kZoneRoom = 1.6;
+/// The height of a zone is known at this many places along the spine at least, and linear between them.
 constexpr std::size_t kZoneSamples = 129;
 
-/// What limits a zone in one page: the facet's other segments and the points that are on none, in (s, y).
-struct PageObstacles {
-  std::vector<std::array<Vec<2>, 2>> segments;
-  [[nodiscard]] double distance_to(const Vec<2>& x) const {
-    double least = std::numeric_limits<double>::infinity();
-    for (const auto& [a, b] : segments) least = std::min(least, distance_to_segment(x, a, b));
-    return least;
-  }
-};
+/// Walls whose angles with the spine differ by less than this (radians) are shared.
+constexpr double kSameAngle = 1e-9;
+/// A wall that runs less than this along the spine per height stands upright on its end.
+constexpr double kSteep = 1e-3;
 
 /// The zone of a book as what is left of the plane.
 class OutsideOf : public Area<2> {
@@ -48,43 +46,69 @@ class OutsideOf : public Area<2> {
 
 }  // namespace
 
-BookZone::BookZone(const Domain<3>& domain, const Protection<3>& protection, SegmentId spine, std::vector<Page> pages)
+/// What limits a zone in one page, in (s, y).
+struct BookZone::PageObstacles {
+  std::vector<std::array<Vec<2>, 2>> spines;    ///< Of other books.
+  std::vector<Ball<2>> corners;                 ///< Other than the spine's own.
+  std::vector<std::array<Vec<2>, 2>> segments;  ///< Others of the facet, and points that are on none.
+
+  [[nodiscard]] static double distance_to(const std::vector<std::array<Vec<2>, 2>>& lines, const Vec<2>& x) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& [a, b] : lines) least = std::min(least, distance_to_segment(x, a, b));
+    return least;
+  }
+  /// The height at which the line up from (s, 0) meets a segment.
+  [[nodiscard]] double height_over(double s) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto* lines : {&spines, &segments})
+      for (const auto& [a, b] : *lines) {
+        if ((a[0] - s) * (b[0] - s) > 0 || a[0] == b[0]) continue;
+        const double y = a[1] + (s - a[0]) / (b[0] - a[0]) * (b[1] - a[1]);
+        if (y > 0) least = std::min(least, y);
+      }
+    return least;
+  }
+  template <class Spacing>
+  [[nodiscard]] bool leaves_room(const Vec<2>& x, const Spacing& f) const {
+    const double y = x[1] / kZoneShare;
+    if (y > distance_to(spines, x)) return false;
+    for (const Ball<2>& c : corners)
+      if (y > distance(x, c.center) - c.radius) return false;
+    const double d = distance_to(segments, x);
+    return y <= d || d >= kZoneRoom * f(x);
+  }
+};
+
+BookZone::BookZone(const Domain<3>& domain, const Protection<3>& protection, const Spacing<3>& spacing, SegmentId spine,
+                   std::vector<Page> pages)
     : spine_(spine), pages_(std::move(pages)) {
   const auto [a, b] = domain.segments[spine];
   start_ = domain.points[a];
   along_ = protection.incidence.direction(spine, a);
   length_ = distance(domain.points[a], domain.points[b]);
   corner_ = {protection.corner_radius(a), protection.corner_radius(b)};
+  for (const Page& page : pages_) inward_.push_back(protection.incidence.inward(page, spine));
+  find_shared_walls(domain, protection);
   std::vector<PageObstacles> obstacles;
   double widest = 0;
-  for (const Page& page : pages_) {
-    inward_.push_back(protection.incidence.inward(page, spine));
-    const std::size_t k = inward_.size() - 1;
-    PageObstacles here;
-    for (const SegmentId s : domain.facet_segments[page.facet]) {
-      if (s == spine) continue;
-      here.segments.push_back(
-          {to_page(k, domain.points[domain.segments[s][0]]), to_page(k, domain.points[domain.segments[s][1]])});
-    }
-    for (const PointId p : domain.facet_points[page.facet]) {
-      const Vec<2> x = to_page(k, domain.points[p]);
-      widest = std::max(widest, x[1]);
-      if (p != a && p != b && std::ranges::none_of(domain.facet_segments[page.facet], [&](SegmentId s) {
-            return std::ranges::count(domain.segments[s], p) > 0;
-          }))
-        here.segments.push_back({x, x});
-    }
-    obstacles.push_back(std::move(here));
+  for (std::size_t k = 0; k < pages_.size(); ++k) {
+    obstacles.push_back(find_obstacles(domain, protection, k));
+    for (const PointId p : domain.facet_points[pages_[k].facet])
+      widest = std::max(widest, to_page(k, domain.points[p])[1]);
   }
-  for (std::size_t i = 0; i < kZoneSamples; ++i) {
-    const double s = length_ * static_cast<double>(i) / (kZoneSamples - 1);
-    double lo = 0, hi = widest;
-    // Where a point is too high, all above it are: moving up by d brings others nearer by at most d.
+  // The largest of all pages: of whatever borders one page, protecting balls reach into the copies in all others.
+  const auto f = [&](const Vec<2>& x) {
+    double largest = 0;
+    for (std::size_t k = 0; k < pages_.size(); ++k) largest = std::max(largest, spacing(from_page(k, x)));
+    return largest;
+  };
+  find_positions(obstacles);
+  for (const double s : positions_) {
+    double lo = 0, hi = std::min(widest, height_below_walls(s));
+    for (const PageObstacles& o : obstacles) hi = std::min(hi, o.height_over(s));
     for (int step = 0; step < 30; ++step) {
       const double y = 0.5 * (lo + hi);
-      const bool fits = std::ranges::all_of(obstacles, [&](const PageObstacles& o) {
-        return y <= kZoneShare * o.distance_to({s, y});
-      });
+      const bool fits = std::ranges::all_of(obstacles, [&](const auto& o) { return o.leaves_room({s, y}, f); });
       (fits ? lo : hi) = y;
     }
     heights_.push_back(lo);
@@ -92,11 +116,108 @@ BookZone::BookZone(const Domain<3>& domain, const Protection<3>& protection, Seg
   }
 }
 
+/// Where heights are looked at: evenly, and on both sides of where something begins or ends. Not at the ends of the
+/// spine themselves, where what leaves them is met at no height.
+void BookZone::find_positions(const std::vector<PageObstacles>& obstacles) {
+  const double least = kSameAngle * length_;
+  const auto add = [&](double s) { positions_.push_back(std::clamp(s, least, length_ - least)); };
+  for (std::size_t i = 0; i < kZoneSamples; ++i) add(length_ * static_cast<double>(i) / (kZoneSamples - 1));
+  for (const PageObstacles& o : obstacles)
+    for (const auto* lines : {&o.spines, &o.segments})
+      for (const auto& line : *lines)
+        for (const Vec<2>& x : line)
+          for (const double s : {x[0] - least, x[0] + least})
+            if (s > 0 && s < length_) add(s);
+  for (std::size_t i = 1; i < walls_.size(); ++i) add(walls_[i][1][0]);
+  std::sort(positions_.begin(), positions_.end());
+  positions_.erase(std::unique(positions_.begin(), positions_.end()), positions_.end());
+}
+
+BookZone::PageObstacles BookZone::find_obstacles(const Domain<3>& domain, const Protection<3>& protection,
+                                                 std::size_t k) const {
+  const FacetId facet = pages_[k].facet;
+  const auto ends_of_spine = domain.segments[spine_];
+  const auto is_end = [&](PointId p) { return p == ends_of_spine[0] || p == ends_of_spine[1]; };
+  PageObstacles result;
+  std::vector<PointId> on_segments;
+  for (const SegmentId s : domain.facet_segments[facet]) {
+    auto ends = domain.segments[s];
+    on_segments.insert(on_segments.end(), ends.begin(), ends.end());
+    if (s == spine_) continue;
+    if (is_end(ends[1])) std::swap(ends[0], ends[1]);
+    std::array<Vec<2>, 2> line = {to_page(k, domain.points[ends[0]]), to_page(k, domain.points[ends[1]])};
+    if (is_wall(k, s)) {
+      // What is longer than in other pages.
+      const double whole = distance(line[0], line[1]), shared = shared_length(line[0]);
+      if (shared >= whole * (1 - kSameAngle)) continue;
+      line[0] = line[0] + (shared / whole) * (line[1] - line[0]);
+    }
+    (protection.is_spine(s, facet) ? result.spines : result.segments).push_back(line);
+  }
+  for (const PointId p : domain.facet_points[facet]) {
+    const Vec<2> x = to_page(k, domain.points[p]);
+    if (protection.corner_radius(p) > 0 && !is_end(p)) result.corners.push_back({x, protection.corner_radius(p)});
+    if (std::ranges::count(on_segments, p) == 0) result.segments.push_back({x, x});
+  }
+  return result;
+}
+
+/// The length of the shared wall that begins at this end of the spine.
+double BookZone::shared_length(const Vec<2>& tip) const {
+  for (std::size_t i = 1; i < walls_.size(); ++i)
+    if (distance(walls_[i][0], tip) < 0.5 * length_) return distance(walls_[i][0], walls_[i][1]);
+  return 0;
+}
+
+double BookZone::least_spacing(const Spacing<3>& spacing, const Vec<2>& x) const {
+  double f = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < pages_.size(); ++k) f = std::min(f, spacing(from_page(k, x)));
+  return f;
+}
+
+void BookZone::find_shared_walls(const Domain<3>& domain, const Protection<3>& protection) {
+  walls_ = {{Vec<2>{0, 0}, Vec<2>{length_, 0}}};
+  wall_segments_.resize(pages_.size());
+  const auto ends = domain.segments[spine_];
+  for (std::size_t end = 0; end < 2; ++end) {
+    std::vector<SegmentId> sides;
+    double angle = -1, shortest = std::numeric_limits<double>::infinity();
+    for (const Page& page : pages_)
+      for (const Sector& sector : protection.incidence.sectors(page.facet, ends[end])) {
+        const bool follows = (page.side == 0) == (end == 0);
+        if ((follows ? sector.first : sector.second) != spine_) continue;
+        const SegmentId side = follows ? sector.second : sector.first;
+        const double here = sector.end - sector.begin;
+        if (angle < 0) angle = here;
+        if (side == spine_ || std::abs(here - angle) > kSameAngle || protection.is_spine(side, page.facet)) continue;
+        sides.push_back(side);
+        const auto [p, q] = domain.segments[side];
+        shortest = std::min(shortest, distance(domain.points[p], domain.points[q]));
+      }
+    if (sides.size() != pages_.size() || angle >= std::numbers::pi) continue;
+    const double forward = end == 0 ? 1 : -1;
+    const Vec<2> tip{end == 0 ? 0 : length_, 0};
+    walls_.push_back({tip, tip + shortest * Vec<2>{forward * std::cos(angle), std::sin(angle)}});
+    for (std::size_t k = 0; k < sides.size(); ++k) wall_segments_[k].push_back(sides[k]);
+  }
+}
+
+/// How high one may go at s before a shared wall.
+double BookZone::height_below_walls(double s) const {
+  double height = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < walls_.size(); ++i) {
+    const auto& [tip, far] = walls_[i];
+    const double run = (far[0] - tip[0]) * (tip[0] > 0 ? -1 : 1), along = std::abs(s - tip[0]);
+    if (along < run && run > kSteep * far[1]) height = std::min(height, along / run * far[1]);
+  }
+  return height;
+}
+
 double BookZone::height_at(double s) const {
-  const double t = s / length_ * (kZoneSamples - 1);
-  const auto i = std::min(static_cast<std::size_t>(std::max(t, 0.0)), kZoneSamples - 2);
-  const double rest = t - static_cast<double>(i);
-  return (1 - rest) * heights_[i] + rest * heights_[i + 1];
+  const auto next = std::upper_bound(positions_.begin() + 1, positions_.end() - 1, s);
+  const auto i = static_cast<std::size_t>(next - positions_.begin()) - 1;
+  const double t = std::clamp((s - positions_[i]) / (positions_[i + 1] - positions_[i]), 0.0, 1.0);
+  return (1 - t) * heights_[i] + t * heights_[i + 1];
 }
 
 bool BookZone::holds(const Vec<2>& x) const {
@@ -151,19 +272,16 @@ std::vector<Ball<2>> pack_book(const BookZone& zone, std::vector<Ball<2>> obstac
   problem.bounds = Box<2>({0.0, 0.0}, {zone.length(), zone.largest_height()});
   problem.foreign = std::move(obstacles);
   problem.balls = std::move(balls);
-  Walls<2> spine;
-  spine.simplices.push_back({Vec<2>{0.0, 0.0}, Vec<2>{zone.length(), 0.0}});
-  spine.regions.push_back({0, Walls<2>::kOutside});
-  const WallLocator<2> far(std::move(spine));
+  Walls<2> walls;
+  for (const auto& wall : zone.walls()) {
+    walls.simplices.push_back(wall);
+    walls.regions.push_back({0, Walls<2>::kOutside});
+  }
+  const WallLocator<2> far(std::move(walls));
   const OutsideOf outside(zone);
   problem.far = &far;
   problem.reserved = &outside;
-  problem.spacing = {[&](const Vec<2>& x) {
-                       double f = std::numeric_limits<double>::infinity();
-                       for (std::size_t k = 0; k < zone.pages().size(); ++k)
-                         f = std::min(f, spacing(zone.from_page(k, x)));
-                       return f;
-                     },
+  problem.spacing = {[&](const Vec<2>& x) { return zone.least_spacing(spacing, x); },
                      [&](const Box<2>& box) -> std::optional<double> {
                        double f = std::numeric_limits<double>::infinity();
                        for (std::size_t k = 0; k < zone.pages().size(); ++k) {

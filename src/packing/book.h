@@ -3,6 +3,7 @@
 // T4).
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -14,22 +15,40 @@ namespace voropack {
 
 /// Where a book's pages are equal, in coordinates (s, y) of a page: s along the spine, y >= 0 away from it.
 ///
-/// There y is at most a fixed part of the distance to anything else in any of the pages: whatever is in the zone of
-/// one spine is in no other's.
+/// There y is at most a fixed part of the distance to other spines and to corners in any of the pages: whatever is in
+/// the zone of one spine is in no other's. It keeps 2 f away from the other segments of the pages, except from shared
+/// walls: segments that leave an end of the spine at one angle in all pages, and are no spines. Up to these everything
+/// is equal.
 class BookZone {
  public:
-  BookZone(const Domain<3>& domain, const Protection<3>& protection, SegmentId spine, std::vector<Page> pages);
+  BookZone(const Domain<3>& domain, const Protection<3>& protection, const Spacing<3>& spacing, SegmentId spine,
+           std::vector<Page> pages);
 
   [[nodiscard]] SegmentId spine() const { return spine_; }
   [[nodiscard]] const std::vector<Page>& pages() const { return pages_; }
   [[nodiscard]] double length() const { return length_; }
   [[nodiscard]] double largest_height() const { return largest_; }
   [[nodiscard]] bool holds(const Vec<2>& x) const;
+  /// The spine and the shared walls, in (s, y).
+  [[nodiscard]] const std::vector<std::array<Vec<2>, 2>>& walls() const { return walls_; }
+  /// True if the segment is the spine, or a shared wall in this page.
+  [[nodiscard]] bool is_wall(std::size_t page, SegmentId s) const {
+    return s == spine_ || std::ranges::count(wall_segments_[page], s) > 0;
+  }
 
+  /// f at x, the least of all pages.
+  [[nodiscard]] double least_spacing(const Spacing<3>& spacing, const Vec<2>& x) const;
   [[nodiscard]] Vec<2> to_page(std::size_t page, const Vec<3>& x) const;
   [[nodiscard]] Vec<3> from_page(std::size_t page, const Vec<2>& x) const;
 
  private:
+  struct PageObstacles;
+  [[nodiscard]] PageObstacles find_obstacles(const Domain<3>& domain, const Protection<3>& protection,
+                                             std::size_t page) const;
+  void find_positions(const std::vector<PageObstacles>& obstacles);
+  [[nodiscard]] double shared_length(const Vec<2>& tip) const;
+  void find_shared_walls(const Domain<3>& domain, const Protection<3>& protection);
+  [[nodiscard]] double height_below_walls(double s) const;
   [[nodiscard]] double height_at(double s) const;
 
   SegmentId spine_;
@@ -37,7 +56,10 @@ class BookZone {
   Vec<3> start_, along_;
   std::vector<Vec<3>> inward_;  ///< By page.
   double length_;
-  std::vector<double> heights_;  ///< At equal steps of s.
+  std::vector<std::array<Vec<2>, 2>> walls_;
+  std::vector<std::vector<SegmentId>> wall_segments_;  ///< Shared walls, by page.
+  std::vector<double> positions_;                      ///< Ascending values of s.
+  std::vector<double> heights_;                        ///< There.
   double largest_ = 0;
   std::array<double, 2> corner_;  ///< Radii of the corners at the ends, or 0.
 };

@@ -231,7 +231,8 @@ class BoundaryPacker {
     for (const auto& [spine, groups] : protection_.books.all())
       for (const auto& pages : groups) {
         observer_.check_cancelled();
-        const BookZone& zone = *zones_.emplace_back(std::make_unique<BookZone>(domain_, protection_, spine, pages));
+        const BookZone& zone =
+            *zones_.emplace_back(std::make_unique<BookZone>(domain_, protection_, spacing_, spine, pages));
         if (!(zone.largest_height() > 0)) continue;
         std::vector<Ball<2>> obstacles, balls;
         for (std::size_t k = 0; k < pages.size(); ++k) collect(zone, k, obstacles, balls);
@@ -268,7 +269,6 @@ class BoundaryPacker {
     for (const SegmentId s : domain_.facet_segments[facet]) {
       const auto chain = spheres_of_segment_[s];
       for (const SphereId sphere : chain.subspan(1, chain.size() - 2)) take(sphere);
-      if (s != zone.spine()) continue;
       for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
         const Vec<2> a = zone.to_page(k, packing().center[chain[i]]),
                      b = zone.to_page(k, packing().center[chain[i + 1]]);
@@ -428,14 +428,12 @@ class BoundaryPacker {
 }  // namespace
 
 template <int D>
-BoundaryPacking<D> pack_boundary(const Domain<D>& domain, const Spacing<D>& spacing, Protection<D>& protection,
-                                 const PackingOptions& options, const Observer& observer) {
-  return BoundaryPacker<D>(domain, spacing, protection, options, observer).run();
+BoundaryPacking<D> pack_boundary(const Spacing<D>& spacing, Protection<D>& protection, const PackingOptions& options,
+                                 const Observer& observer) {
+  return BoundaryPacker<D>(protection.domain(), spacing, protection, options, observer).run();
 }
 
-template BoundaryPacking<2> pack_boundary(const Domain<2>&, const Spacing<2>&, Protection<2>&, const PackingOptions&,
-                                          const Observer&);
-template BoundaryPacking<3> pack_boundary(const Domain<3>&, const Spacing<3>&, Protection<3>&, const PackingOptions&,
-                                          const Observer&);
+template BoundaryPacking<2> pack_boundary(const Spacing<2>&, Protection<2>&, const PackingOptions&, const Observer&);
+template BoundaryPacking<3> pack_boundary(const Spacing<3>&, Protection<3>&, const PackingOptions&, const Observer&);
 
 }  // namespace voropack

@@ -24,8 +24,8 @@ struct BoundaryPacking {
 
 /// Packs under what `protection` protects by now, and adds to it what fails.
 template <int D>
-BoundaryPacking<D> pack_boundary(const Domain<D>& domain, const Spacing<D>& spacing, Protection<D>& protection,
-                                 const PackingOptions& options, const Observer& observer);
+BoundaryPacking<D> pack_boundary(const Spacing<D>& spacing, Protection<D>& protection, const PackingOptions& options,
+                                 const Observer& observer);
 
 /// How much f shrinks where a protecting ball is not empty.
 inline constexpr double kRepairFactor = 0.7;

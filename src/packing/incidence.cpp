@@ -30,7 +30,8 @@ std::set<std::array<PointId, 2>> directed_edges(const Domain<3>& domain, FacetId
 }  // namespace
 
 template <int D>
-Incidence<D>::Incidence(const Domain<D>& domain) : domain_(domain) {
+Incidence<D>::Incidence(const Domain<D>& domain, std::vector<FacetId> trace_facets)
+    : domain_(&domain), trace_facets_(std::move(trace_facets)) {
   std::vector<std::vector<SegmentId>> segments(domain.points.size());
   for (const SegmentId s : ids(domain.segments))
     for (const PointId p : domain.segments[s]) segments[p.value()].push_back(s);
@@ -44,8 +45,9 @@ Incidence<D>::Incidence(const Domain<D>& domain) : domain_(domain) {
       const auto edges = directed_edges(domain, f);
       for (const SegmentId s : domain.facet_segments[f]) {
         const auto [a, b] = domain.segments[s];
-        if (edges.contains({a, b})) pages[s.value()].push_back({f, 0});
-        if (edges.contains({b, a})) pages[s.value()].push_back({f, 1});
+        const bool is_trace = s.value() + trace_facets_.size() >= domain.segments.size();
+        if (is_trace || edges.contains({a, b})) pages[s.value()].push_back({f, 0});
+        if (is_trace || edges.contains({b, a})) pages[s.value()].push_back({f, 1});
       }
     }
   }
@@ -54,9 +56,16 @@ Incidence<D>::Incidence(const Domain<D>& domain) : domain_(domain) {
 }
 
 template <int D>
+PolytopeId Incidence<D>::given(PolytopeId p) const {
+  if (p.dimension > 1) return p;
+  const std::size_t n = (p.dimension == 0 ? domain_->points.size() : domain_->segments.size()) - trace_facets_.size();
+  return p.index < n ? p : PolytopeId(trace_facets_[p.index - n]);
+}
+
+template <int D>
 std::span<const PointId> Incidence<D>::points_of(PolytopeId p) const {
-  if (p.dimension == 1) return domain_.segments[SegmentId(p.index)];
-  return domain_.facet_points[FacetId(p.index)];
+  if (p.dimension == 1) return domain_->segments[SegmentId(p.index)];
+  return domain_->facet_points[FacetId(p.index)];
 }
 
 template <int D>
@@ -75,6 +84,7 @@ std::vector<PointId> Incidence<D>::common_points(PolytopeId a, PolytopeId b) con
 
 template <int D>
 std::vector<PolytopeId> Incidence<D>::holders(PolytopeId p) const {
+  p = given(p);
   std::vector<PolytopeId> result;
   if (p.dimension == 0) {
     for (const SegmentId s : segments_at(PointId(p.index))) result.push_back(PolytopeId(s));
@@ -89,7 +99,7 @@ std::vector<PolytopeId> Incidence<D>::holders(PolytopeId p) const {
 
 template <int D>
 std::vector<SegmentId> Incidence<D>::common_segments(FacetId f, FacetId g) const {
-  const auto of_f = domain_.facet_segments[f], of_g = domain_.facet_segments[g];
+  const auto of_f = domain_->facet_segments[f], of_g = domain_->facet_segments[g];
   std::vector<SegmentId> common;
   std::set_intersection(of_f.begin(), of_f.end(), of_g.begin(), of_g.end(), std::back_inserter(common));
   return common;
@@ -100,13 +110,13 @@ bool Incidence<D>::contains(PolytopeId upper, PolytopeId lower) const {
   if (upper == lower) return true;
   if (upper.dimension <= lower.dimension) return false;
   if (lower.dimension == 0) return std::ranges::count(points_of(upper), PointId(lower.index)) > 0;
-  return std::ranges::binary_search(domain_.facet_segments[FacetId(upper.index)], SegmentId(lower.index));
+  return std::ranges::binary_search(domain_->facet_segments[FacetId(upper.index)], SegmentId(lower.index));
 }
 
 template <int D>
 Vec<D> Incidence<D>::direction(SegmentId s, PointId p) const {
-  const auto [a, b] = domain_.segments[s];
-  const Vec<D> along = domain_.points[p == a ? b : a] - domain_.points[p];
+  const auto [a, b] = domain_->segments[s];
+  const Vec<D> along = domain_->points[p == a ? b : a] - domain_->points[p];
   return along / norm(along);
 }
 
@@ -121,12 +131,12 @@ std::vector<Sector> Incidence<D>::sectors(FacetId f, PointId p) const {
       SegmentId segment;
       bool facet_follows;  ///< The facet lies counterclockwise of the ray.
     };
-    const PlaneFrame& frame = domain_.facet_frame[f];
+    const PlaneFrame& frame = domain_->facet_frame[f];
     std::vector<Ray> rays;
     for (const SegmentId s : segments_at(p)) {
       if (!contains(PolytopeId(f), PolytopeId(s))) continue;
       const Vec<3> d = direction(s, p);
-      const int ahead = domain_.segments[s][0] == p ? 0 : 1;
+      const int ahead = domain_->segments[s][0] == p ? 0 : 1;
       const bool follows = std::ranges::count(pages_of(s), Page{f, ahead}) > 0;
       rays.push_back({std::atan2(dot(d, frame.v), dot(d, frame.u)), s, follows});
     }
@@ -149,7 +159,7 @@ Vec<D> Incidence<D>::inward(const Page& page, SegmentId s) const {
   if constexpr (D == 2) {
     return {};
   } else {
-    const Vec<3> across = cross(domain_.facet_frame[page.facet].normal, direction(s, domain_.segments[s][0]));
+    const Vec<3> across = cross(domain_->facet_frame[page.facet].normal, direction(s, domain_->segments[s][0]));
     return (page.side == 0 ? 1 : -1) / norm(across) * across;
   }
 }
@@ -161,11 +171,11 @@ double Incidence<D>::angle_at(PointId p, PolytopeId a, PolytopeId b) const {
   double least = std::numbers::pi;
   if constexpr (D == 3) {
     const auto cones = [&](FacetId f, auto&& visit) {
-      for (const auto& t : domain_.facet_triangles[f])
+      for (const auto& t : domain_->facet_triangles[f])
         for (std::size_t i = 0; i < 3; ++i)
           if (t[i] == p)
-            visit(domain_.points[t[(i + 1) % 3]] - domain_.points[p],
-                  domain_.points[t[(i + 2) % 3]] - domain_.points[p]);
+            visit(domain_->points[t[(i + 1) % 3]] - domain_->points[p],
+                  domain_->points[t[(i + 2) % 3]] - domain_->points[p]);
     };
     if (a.dimension > b.dimension) std::swap(a, b);
     cones(FacetId(b.index), [&](const Vec<3>& v, const Vec<3>& w) {
@@ -204,6 +214,8 @@ std::optional<double> Incidence<D>::meeting_angle(PolytopeId a, PolytopeId b) co
 
 template <int D>
 bool Incidence<D>::form_sharp_feature(PolytopeId a, PolytopeId b) const {
+  a = given(a);
+  b = given(b);
   if (a.dimension >= D || b.dimension >= D) return false;
   const std::optional<double> angle = meeting_angle(a, b);
   return angle && *angle < kSharpAngle;

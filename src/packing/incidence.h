@@ -29,11 +29,17 @@ inline constexpr double kSharpAngle = std::numbers::pi / 3;
 template <int D>
 class Incidence {
  public:
-  explicit Incidence(const Domain<D>& domain);
+  /// `trace_facets`: by trace the facet it is in. The domain's last segments and last points belong to traces, in this
+  /// order (see traces.h).
+  explicit Incidence(const Domain<D>& domain, std::vector<FacetId> trace_facets = {});
 
   [[nodiscard]] std::span<const SegmentId> segments_at(PointId p) const { return point_segments_[p]; }
   [[nodiscard]] std::span<const FacetId> facets_at(PointId p) const { return point_facets_[p]; }
   [[nodiscard]] std::span<const Page> pages_of(SegmentId s) const { return segment_pages_[s]; }
+
+  /// The polytope of the domain that was given: the facet if `p` is a trace or its end.
+  [[nodiscard]] PolytopeId given(PolytopeId p) const;
+  [[nodiscard]] bool has_traces() const { return !trace_facets_.empty(); }
 
   /// The points in the closures of both polytopes, ascending.
   [[nodiscard]] std::vector<PointId> common_points(PolytopeId a, PolytopeId b) const;
@@ -56,14 +62,15 @@ class Incidence {
   /// meet or one is in the other. Two facets with common segments are measured there only.
   [[nodiscard]] std::optional<double> meeting_angle(PolytopeId a, PolytopeId b) const;
   /// True if both are segments or facets and meet below kSharpAngle: what is on them may be nearer to each other than
-  /// f-spheres allow.
+  /// f-spheres allow. A trace counts as its facet.
   [[nodiscard]] bool form_sharp_feature(PolytopeId a, PolytopeId b) const;
 
  private:
   [[nodiscard]] std::span<const PointId> points_of(PolytopeId p) const;
   [[nodiscard]] double angle_at(PointId p, PolytopeId a, PolytopeId b) const;
 
-  const Domain<D>& domain_;
+  const Domain<D>* domain_;
+  std::vector<FacetId> trace_facets_;
   Csr<PointId, SegmentId> point_segments_;
   Csr<PointId, FacetId> point_facets_;
   Csr<SegmentId, Page> segment_pages_;

@@ -86,6 +86,34 @@ void append_interior(Packing<D>& packing, PackedInterior<D>&& interior) {
   packing.triangulation_s = interior.triangulation_s;
 }
 
+/// What is on traces is on their facets; they were a means only.
+template <int D>
+void drop_traces(Packing<D>& packing, const Incidence<D>& incidence) {
+  if (!incidence.has_traces()) return;
+  std::erase_if(packing.subsegments, [&](const auto& s) { return incidence.given(s.carrier) != s.carrier; });
+  for (PolytopeId& carrier : packing.carrier) carrier = incidence.given(carrier);
+  std::vector<SphereId> order;
+  for (const SphereId s : ids(packing.center)) order.push_back(s);
+  std::ranges::stable_sort(order, {}, [&](SphereId s) { return packing.carrier[s].dimension; });
+  std::vector<std::uint32_t> position(order.size());
+  Packing<D> sorted;
+  for (const SphereId s : order) {
+    position[s.value()] = static_cast<std::uint32_t>(sorted.center.size());
+    sorted.center.push_back(packing.center[s]);
+    sorted.radius.push_back(packing.radius[s]);
+    sorted.carrier.push_back(packing.carrier[s]);
+  }
+  packing.center = std::move(sorted.center);
+  packing.radius = std::move(sorted.radius);
+  packing.carrier = std::move(sorted.carrier);
+  for (auto& s : packing.subsegments)
+    for (SphereId& i : s.spheres) i = SphereId(position[i.value()]);
+  for (auto& s : packing.subfacets)
+    for (SphereId& i : s.spheres) i = SphereId(position[i.value()]);
+  for (auto& s : packing.triangulation.simplices)
+    for (std::uint32_t& i : s) i = position[i];
+}
+
 /// True if, under cap b, f is everywhere at most `slack` times what cap a allows.
 template <int D>
 bool is_covered(const SpacingCap<D>& a, const SpacingCap<D>& b, double lipschitz, double slack) {
@@ -141,7 +169,8 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
   for (int round = 0; round <= options.max_repairs; ++round) {
     observer.check_cancelled();
     const Spacing<D> f = caps.empty() ? spacing : spacing.with_caps(caps);
-    BoundaryPacking<D> boundary = pack_boundary(domain, f, protection, options, observer);
+    protection.add_traces(f);
+    BoundaryPacking<D> boundary = pack_boundary(f, protection, options, observer);
     if (boundary.faults.empty() && !boundary.protects_more) {
       std::vector<SpacingCap<D>> all_caps = caps;
       all_caps.insert(all_caps.end(), boundary.tied.begin(), boundary.tied.end());
@@ -154,9 +183,12 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
         if (boundary.faults.empty() || n_stretched >= kStretchedRounds) {
           boundary.packing.repairs = std::move(all_caps);
           boundary.packing.repair_rounds = round;
+          drop_traces(boundary.packing, protection.incidence);
           return std::move(boundary.packing);
         }
         ++n_stretched;
+        std::erase_if(boundary.faults,
+                      [&](const SpacingCap<D>& cap) { return protection.narrow_corners(cap.center, cap.radius, f); });
       }
       const std::size_t first = boundary.balls.size() - problem.faces.size();
       for (const std::uint32_t i : interior.broken_faces)

@@ -12,6 +12,8 @@ namespace {
 
 /// A corner's radius in f at the corner: room for two spheres, and for arcs of 45 degrees between them.
 constexpr double kCornerRadius = 2.7;
+/// A corner's sphere that is wider than this in f would carry triangles much longer than wide.
+constexpr double kWideCorner = 4;
 /// A corner's sphere reaches at most this part of the way along its segments, and to others of its facets.
 constexpr double kCornerShare = 0.4;
 /// A point shared by two polytopes is protected when they fail within this many ball radii of it; farther away
@@ -27,6 +29,18 @@ constexpr double kCornerShrink = 0.7;
 constexpr double kLeastShrink = 0.8, kMostShrink = 0.3;
 
 }  // namespace
+
+template <int D>
+bool Protection<D>::narrow_corners(const Vec<D>& center, double radius, const Spacing<D>& spacing) {
+  bool narrowed = false;
+  for (const auto& [p, before] : before_.corners) {
+    const double f = spacing(domain_.points[p]);
+    if (distance(center, domain_.points[p]) > before + radius || before <= kWideCorner * f) continue;
+    corners.at(p) = kCornerRadius * f;
+    narrowed = true;
+  }
+  return narrowed;
+}
 
 template <int D>
 double Protection<D>::least_angle(SegmentId spine, const std::vector<Page>& pages) const {
@@ -124,7 +138,45 @@ auto Protection<D>::between_segments(const Intrusion<D>& it, const Spacing<D>& s
 }
 
 template <int D>
+bool Protection<D>::ask_for_traces(PointId tip, PolytopeId a, PolytopeId b) {
+  bool is_new = false;
+  if constexpr (D == 3) {
+    const auto ask = [&](PolytopeId lines, PolytopeId facet) {
+      if (facet.dimension != 2) return;
+      for (const SegmentId s : incidence.segments_at(tip)) {
+        const TraceSite site{tip, s, FacetId(facet.index)};
+        if (!incidence.contains(lines, PolytopeId(s)) || incidence.contains(facet, PolytopeId(s))) continue;
+        if (incidence.given(PolytopeId(s)) != PolytopeId(s) || before_.tried_sites.contains(site)) continue;
+        is_new = true;
+        if (tried_sites_.insert(site).second) new_sites_.push_back(site);
+      }
+    };
+    ask(a, b);
+    ask(b, a);
+  }
+  return is_new;
+}
+
+template <int D>
+void Protection<D>::add_traces(const Spacing<D>& spacing) {
+  if constexpr (D == 3) {
+    for (const TraceSite& site : new_sites_) {
+      const std::optional<Trace> trace = find_trace(domain_, incidence, site, spacing);
+      if (!trace) continue;
+      add_trace(domain_, *trace);
+      trace_facets_.push_back(site.facet);
+      incidence = Incidence<D>(domain_, trace_facets_);
+      fans.join(site.tip, site.segment, SegmentId(domain_.segments.size() - 1));
+    }
+    new_sites_.clear();
+  }
+}
+
+template <int D>
 auto Protection<D>::at_point(const Intrusion<D>& it, const Spacing<D>& spacing) -> Cap {
+  if constexpr (D == 3)
+    for (const PointId p : incidence.common_points(it.carrier, it.ball_carrier))
+      if (ask_for_traces(p, it.carrier, it.ball_carrier)) return std::nullopt;
   if constexpr (D == 3)
     for (const PointId p : incidence.common_points(it.carrier, it.ball_carrier))
       if (distance(domain_.points[p], it.position) < kNear * it.ball.radius && open_corner(p, spacing))
@@ -153,6 +205,8 @@ auto Protection<D>::between_pages(const Intrusion<D>& it, SegmentId spine, const
       return std::nullopt;
     }
     const auto [a, b] = domain_.segments[spine];
+    for (const PointId end : {a, b})
+      if (ask_for_traces(end, it.carrier, it.ball_carrier)) return std::nullopt;
     for (const PointId end : {a, b})
       if (distance(domain_.points[end], it.position) < kNear * it.ball.radius && open_corner(end, spacing))
         return std::nullopt;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "packing/incidence.h"
+#include "packing/traces.h"
 #include "spheres/sphere_set.h"
 #include "voropack/domain.h"
 #include "voropack/spacing.h"
@@ -67,23 +68,40 @@ struct Intrusion {
 
 template <int D>
 class Protection {
- public:
-  Protection(const Domain<D>& domain) : incidence(domain), domain_(domain) {}
+  Domain<D> domain_;
 
+ public:
+  explicit Protection(const Domain<D>& domain) : domain_(domain), incidence(domain_) {}
+  Protection(const Protection&) = delete;
+  Protection& operator=(const Protection&) = delete;
+
+  /// The domain with the traces added to it.
+  [[nodiscard]] const Domain<D>& domain() const { return domain_; }
   /// Call before each round of intrusions: what was protected since the last call has had no effect yet.
-  void begin_round() { before_ = {fans, books, corners, shaken}; }
-  /// Answers to an intrusion: with a new fan, book or corner, else with a cap on f, which is returned.
+  void begin_round() { before_ = {fans, books, corners, shaken, tried_sites_}; }
+  /// Narrows the spheres of corners that a ball reaches and that are wide for the f there. False if there are none.
+  bool narrow_corners(const Vec<D>& center, double radius, const Spacing<D>& spacing);
+  /// Adds the traces that intrusions of the last round asked for.
+  void add_traces(const Spacing<D>& spacing);
+  /// Answers to an intrusion: with a new fan, book, trace or corner, else with a cap on f, which is returned.
   std::optional<SpacingCap<D>> adapt(const Intrusion<D>& intrusion, const Spacing<D>& spacing);
 
   [[nodiscard]] double corner_radius(PointId p) const {
     const auto it = corners.find(p);
     return it == corners.end() ? 0.0 : it->second;
   }
+  /// True if the facet's pages at the segment are in a book.
+  [[nodiscard]] bool is_spine(SegmentId s, FacetId facet) const {
+    const auto* groups = books.of(s);
+    return groups != nullptr && std::ranges::any_of(*groups, [&](const auto& pages) {
+             return std::ranges::any_of(pages, [&](const Page& page) { return page.facet == facet; });
+           });
+  }
   /// The smallest angle between two pages of a book, or segments of a fan. Radians.
   [[nodiscard]] double least_angle(SegmentId spine, const std::vector<Page>& pages) const;
   [[nodiscard]] double least_angle(PointId tip, const std::vector<SegmentId>& segments) const;
 
-  const Incidence<D> incidence;
+  Incidence<D> incidence;             ///< Of domain().
   Groups<PointId, SegmentId> fans;    ///< Segments with centers at common distances from their common point.
   Groups<SegmentId, Page> books;      ///< Pages with the same centers, turned about their common segment, near to it.
   std::map<PointId, double> corners;  ///< Points with a sphere of this radius which carries the first centers around.
@@ -94,6 +112,9 @@ class Protection {
   Cap between_segments(const Intrusion<D>& it, const Spacing<D>& spacing);
   Cap between_pages(const Intrusion<D>& it, SegmentId spine, const Spacing<D>& spacing);
   Cap at_point(const Intrusion<D>& it, const Spacing<D>& spacing);
+  /// Asks for traces of segments of either polytope at a common point over the other one. False if there are no new
+  /// ones.
+  bool ask_for_traces(PointId tip, PolytopeId a, PolytopeId b);
   /// f must shrink so that the ball's radius becomes `wanted`.
   Cap shrink(const Intrusion<D>& it, double wanted, const Spacing<D>& spacing);
   bool open_corner(PointId p, const Spacing<D>& spacing);
@@ -106,8 +127,11 @@ class Protection {
     Groups<SegmentId, Page> books;
     std::map<PointId, double> corners;
     std::set<SegmentId> shaken;
+    std::set<TraceSite> tried_sites;
   };
-  const Domain<D>& domain_;
+  std::set<TraceSite> tried_sites_;    ///< Of traces that were asked for.
+  std::vector<TraceSite> new_sites_;   ///< Not added yet.
+  std::vector<FacetId> trace_facets_;  ///< By trace.
   State before_;
 };
 
