@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string>
 
+#include "base/parallel.h"
 #include "geom/hilbert.h"
 #include "geom/parallel_insertion.h"
 #include "geom/predicates.h"
@@ -55,14 +56,18 @@ void BowyerWatson<K>::check_finite(std::span<const Vec<K>> points) const {
 template <int K>
 void BowyerWatson<K>::append_points(std::span<const Vec<K>> points, const std::vector<std::uint32_t>& order) {
   const std::uint32_t first_vertex = n_vertices();
+  const std::size_t first = arrays_.points.size();
   number_.resize(first_vertex + points.size());
-  for (const std::uint32_t i : order) {
-    number_[first_vertex + i] = static_cast<std::uint32_t>(arrays_.points.size());
-    arrays_.vertex.push_back(first_vertex + i);
-    arrays_.points.push_back(points[i]);
-    box_.add(points[i]);
-  }
+  arrays_.points.resize(first + points.size());
+  arrays_.vertex.resize(arrays_.points.size());
   arrays_.vertex_slot.resize(arrays_.points.size(), Arrays::kEmpty);
+  parallel_for(order.size(), [&](std::size_t place) {
+    const std::uint32_t i = order[place];
+    number_[first_vertex + i] = static_cast<std::uint32_t>(first + place);
+    arrays_.vertex[first + place] = first_vertex + i;
+    arrays_.points[first + place] = points[i];
+  });
+  for (const Vec<K>& p : points) box_.add(p);
   arrays_.predicates.set_box(box_);
 }
 

@@ -28,18 +28,20 @@ class BoxPartition {
 
   [[nodiscard]] std::size_t n_parts() const { return cuts_.size(); }
 
-  [[nodiscard]] std::uint8_t part_of(const Vec<K>& x) const {
-    std::size_t node = 1;
-    while (node < cuts_.size()) node = child(node, x);
-    return static_cast<std::uint8_t>(node - cuts_.size());
-  }
+  struct Place {
+    std::uint8_t part;
+    double depth;  ///< The least distance from the planes that bound the part.
+  };
 
-  /// The least distance of x from the planes that bound its part.
-  [[nodiscard]] double depth(const Vec<K>& x) const {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t node = 1; node < cuts_.size(); node = child(node, x))
-      least = std::min(least, std::abs(x[cuts_[node].axis] - cuts_[node].at));
-    return least;
+  [[nodiscard]] Place place_of(const Vec<K>& x) const {
+    double depth = std::numeric_limits<double>::infinity();
+    std::size_t node = 1;
+    while (node < cuts_.size()) {
+      const double beyond = x[cuts_[node].axis] - cuts_[node].at;
+      depth = std::min(depth, std::abs(beyond));
+      node = 2 * node + (beyond < 0 ? 0 : 1);
+    }
+    return {static_cast<std::uint8_t>(node - cuts_.size()), depth};
   }
 
  private:
@@ -47,10 +49,6 @@ class BoxPartition {
     int axis = 0;
     double at = 0;
   };
-
-  [[nodiscard]] std::size_t child(std::size_t node, const Vec<K>& x) const {
-    return 2 * node + (x[cuts_[node].axis] < cuts_[node].at ? 0 : 1);
-  }
 
   /// `node` is 1 for the whole; its halves are 2 node and 2 node + 1.
   void cut(std::span<Vec<K>> sample, std::size_t node, double fraction) {

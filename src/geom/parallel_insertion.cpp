@@ -14,8 +14,8 @@ namespace voropack {
 
 namespace {
 
-/// The shares of points before a cut, phase by phase. Cuts of different phases are far from each other where they are
-/// parallel, so that a vertex near a cut of each phase is near to cuts across all axes: there are few.
+/// The shares of points before a cut, phase by phase. Parallel cuts of different phases are far from each other, so
+/// only vertices near to cuts across all axes are near to cuts of every phase: there are few.
 constexpr std::array<double, 3> kCutFractions = {1.0 / 2, 1.0 / 3, 2.0 / 3};
 
 /// Parts with fewer vertices consist of little but their borders.
@@ -24,14 +24,63 @@ constexpr std::size_t kLeastPart = kLeastParallelRound<K> / 2;
 
 constexpr std::size_t kSamplePerPart = 512;
 
+/// Where the vertices of a triangulation, and those to insert, are in the partition of each phase.
+template <int K>
+class Cuts {
+ public:
+  Cuts(const SimplexArrays<K>& arrays, const std::vector<std::uint32_t>& vertices, unsigned levels) {
+    const std::vector<Vec<K>>& points = arrays.points;
+    const std::size_t stride = std::max<std::size_t>(1, points.size() / (kSamplePerPart << levels));
+    std::vector<Vec<K>> sample;
+    for (std::size_t v = 1; v < points.size(); v += stride) sample.push_back(points[v]);
+    std::vector<BoxPartition<K>> boxes;
+    for (const double fraction : kCutFractions) boxes.emplace_back(sample, levels, fraction);
+    n_parts_ = boxes.front().n_parts();
+
+    for (auto& part : part_) part.resize(points.size());
+    parallel_for(points.size(), [&](std::size_t v) {
+      if (arrays.vertex_slot[v] != SimplexArrays<K>::kEmpty) place(points[v], v, boxes);
+    });
+    std::vector<std::uint8_t> deepest(vertices.size());
+    parallel_for(vertices.size(), [&](std::size_t i) { deepest[i] = place(points[vertices[i]], vertices[i], boxes); });
+    for (std::size_t i = 0; i < vertices.size(); ++i) chosen_[deepest[i]].push_back(vertices[i]);
+  }
+
+  [[nodiscard]] std::size_t n_parts() const { return n_parts_; }
+  /// By number: the part of the vertex.
+  [[nodiscard]] const std::vector<std::uint8_t>& part(std::size_t phase) const { return part_[phase]; }
+  /// The vertices to insert that are farther from the cuts of the phase than from those of other phases, ascending.
+  [[nodiscard]] const std::vector<std::uint32_t>& chosen(std::size_t phase) const { return chosen_[phase]; }
+
+ private:
+  /// Sets the parts of a vertex; returns the phase in which it is farthest from the cuts.
+  std::uint8_t place(const Vec<K>& x, std::size_t v, const std::vector<BoxPartition<K>>& boxes) {
+    std::uint8_t best = 0;
+    double deepest = -1;
+    for (std::size_t phase = 0; phase < boxes.size(); ++phase) {
+      const auto [part, depth] = boxes[phase].place_of(x);
+      part_[phase][v] = part;
+      best = depth > deepest ? static_cast<std::uint8_t>(phase) : best;
+      deepest = std::max(depth, deepest);
+    }
+    return best;
+  }
+
+  std::size_t n_parts_;
+  std::array<std::vector<std::uint8_t>, kCutFractions.size()> part_;
+  std::array<std::vector<std::uint32_t>, kCutFractions.size()> chosen_;
+};
+
+/// One phase.
 template <int K>
 class ParallelInsertion {
  public:
-  ParallelInsertion(SimplexArrays<K>& arrays, InsertionState<K>& insertion) : a_(arrays), insertion_(insertion) {}
+  ParallelInsertion(SimplexArrays<K>& arrays, InsertionState<K>& insertion, const std::vector<std::uint8_t>& part,
+                    std::size_t n_parts)
+      : a_(arrays), insertion_(insertion), part_(part), start_(n_parts + 1, 0), n_postponed_(n_parts, 0) {}
 
   /// Tries the vertices once; returns those postponed.
-  std::vector<std::uint32_t> run(const std::vector<std::uint32_t>& vertices, const BoxPartition<K>& boxes) {
-    assign_parts(boxes);
+  std::vector<std::uint32_t> run(const std::vector<std::uint32_t>& vertices) {
     group(vertices);
     std::vector<InsertionState<K>> states = share_out_slots();
     parallel_for(
@@ -55,12 +104,6 @@ class ParallelInsertion {
     return std::span(grouped_).subspan(start_[p], start_[p + 1] - start_[p]);
   }
 
-  void assign_parts(const BoxPartition<K>& boxes) {
-    part_.resize(a_.points.size());
-    parallel_for(part_.size(), [&](std::size_t v) { part_[v] = boxes.part_of(a_.points[v]); });
-    start_.assign(boxes.n_parts() + 1, 0);
-  }
-
   /// Sorts the vertices by part, ascending in each.
   void group(const std::vector<std::uint32_t>& vertices) {
     for (const std::uint32_t v : vertices) ++start_[part_[v] + 1U];
@@ -68,7 +111,6 @@ class ParallelInsertion {
     grouped_.resize(vertices.size());
     std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
     for (const std::uint32_t v : vertices) grouped_[next[part_[v]]++] = v;
-    n_postponed_.assign(n_parts(), 0);
   }
 
   /// Gives each part the free slots and the numbers of attempts that its vertices should need.
@@ -107,42 +149,11 @@ class ParallelInsertion {
 
   SimplexArrays<K>& a_;
   InsertionState<K>& insertion_;
-  std::vector<std::uint8_t> part_;        ///< By number.
-  std::vector<std::uint32_t> grouped_;    ///< The vertices to insert, part by part.
-  std::vector<std::size_t> start_;        ///< [n_parts + 1] Where those of a part begin.
-  std::vector<std::size_t> n_postponed_;  ///< [n_parts]
+  const std::vector<std::uint8_t>& part_;  ///< By number.
+  std::vector<std::uint32_t> grouped_;     ///< The vertices to insert, part by part.
+  std::vector<std::size_t> start_;         ///< [n_parts + 1] Where those of a part begin.
+  std::vector<std::size_t> n_postponed_;   ///< [n_parts]
 };
-
-/// A partition for each phase.
-template <int K>
-std::vector<BoxPartition<K>> make_cuts(const std::vector<Vec<K>>& points, unsigned levels) {
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / (kSamplePerPart << levels));
-  std::vector<Vec<K>> sample;
-  for (std::size_t v = 1; v < points.size(); v += stride) sample.push_back(points[v]);
-  std::vector<BoxPartition<K>> cuts;
-  for (const double fraction : kCutFractions) cuts.emplace_back(sample, levels, fraction);
-  return cuts;
-}
-
-/// For each phase the vertices that are farther from its cuts than from those of other phases.
-template <int K>
-std::vector<std::vector<std::uint32_t>> choose_phases(const std::vector<Vec<K>>& points,
-                                                      const std::vector<std::uint32_t>& vertices,
-                                                      const std::vector<BoxPartition<K>>& cuts) {
-  std::vector<std::uint8_t> best(vertices.size());
-  parallel_for(vertices.size(), [&](std::size_t i) {
-    double deepest = -1;
-    for (std::size_t phase = 0; phase < cuts.size(); ++phase) {
-      const double depth = cuts[phase].depth(points[vertices[i]]);
-      if (depth <= deepest) continue;
-      deepest = depth;
-      best[i] = static_cast<std::uint8_t>(phase);
-    }
-  });
-  std::vector<std::vector<std::uint32_t>> chosen(cuts.size());
-  for (std::size_t i = 0; i < vertices.size(); ++i) chosen[best[i]].push_back(vertices[i]);
-  return chosen;
-}
 
 }  // namespace
 
@@ -151,14 +162,13 @@ std::vector<std::uint32_t> insert_in_parallel(SimplexArrays<K>& arrays, Insertio
                                               const std::vector<std::uint32_t>& vertices) {
   const auto most = static_cast<unsigned>(std::bit_width(vertices.size() / kLeastPart<K>)) - 1;
   const unsigned levels = std::min(BoxPartition<K>::kMaxLevels, most);
-  const std::vector<BoxPartition<K>> cuts = make_cuts(arrays.points, levels);
-  std::vector<std::vector<std::uint32_t>> chosen = choose_phases(arrays.points, vertices, cuts);
-  ParallelInsertion<K> phase(arrays, insertion);
+  const Cuts<K> cuts(arrays, vertices, levels);
   std::vector<std::uint32_t> postponed;
-  for (std::size_t i = 0; i < cuts.size(); ++i) {
+  for (std::size_t i = 0; i < kCutFractions.size(); ++i) {
+    const std::vector<std::uint32_t>& chosen = cuts.chosen(i);
     std::vector<std::uint32_t> now;
-    std::merge(chosen[i].begin(), chosen[i].end(), postponed.begin(), postponed.end(), std::back_inserter(now));
-    postponed = phase.run(now, cuts[i]);
+    std::merge(chosen.begin(), chosen.end(), postponed.begin(), postponed.end(), std::back_inserter(now));
+    postponed = ParallelInsertion<K>(arrays, insertion, cuts.part(i), cuts.n_parts()).run(now);
   }
   return postponed;
 }

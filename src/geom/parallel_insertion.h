@@ -4,8 +4,9 @@
 // Space is cut into parts, and every vertex belongs to one. A part owns the simplices whose finite corners all belong
 // to it; a simplex with corners in several parts has no owner. For each part one inserter at a time works through the
 // vertices of the part, in the order of the sequential insertion. It changes only simplices that its part owns: where
-// a cavity needs another one, or the walk to it leads across another one, the vertex is postponed. Postponed vertices
-// are tried again with other cuts; the few that are left at the end wait for the sequential insertion.
+// a cavity needs another one, or the walk to it leads across another one, the vertex is postponed. There are several
+// such phases with different cuts, and each vertex is tried in the phase whose cuts are farthest from it. Postponed
+// vertices are tried again in the next phase; the few that are left at the end wait for the sequential insertion.
 //
 // Why inserters do not meet. Let p be a part.
 //  1. What an insertion makes belongs to p: the finite corners of a new simplex are the new vertex, which is in p, and
@@ -16,8 +17,9 @@
 // An inserter reads the corners of simplices of p and of their neighbors, which by 2 and 3 nobody else writes. It reads
 // entries of neighbors of simplices of p, which only p writes, by 2. To test an infinite simplex without owner it also
 // reads which simplex is beyond the finite face, and its corners; that one has no owner either, having all its finite
-// corners, so neither entry nor corners change. Marks of visits and free slots are those of p alone, as is
-// `vertex_slot` of the vertices of p: no simplex that is destroyed has another corner, but for the infinite vertex.
+// corners, so neither entry nor corners change. Only simplices of p are marked as visited. Free slots are shared out
+// before. `vertex_slot` is written for vertices of p only: a simplex that is destroyed has no other corner, but for the
+// infinite vertex, whose entry each inserter keeps for itself.
 //
 // So what the inserter of p does depends on the simplices of p, its vertices and its free slots, and not on when the
 // other inserters do their work. The parts depend on the points alone.

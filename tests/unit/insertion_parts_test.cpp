@@ -34,11 +34,11 @@ TEST(BoxPartition, SharesTheSample) {
   const BoxPartition<3> halves(points, 4, 0.5);
   ASSERT_EQ(halves.n_parts(), 16U);
   std::vector<std::size_t> count(16, 0);
-  for (const Vec<3>& p : points) ++count[halves.part_of(p)];
+  for (const Vec<3>& p : points) ++count[halves.place_of(p).part];
   for (const std::size_t n : count) EXPECT_EQ(n, 4000U);
   std::size_t n_first = 0;
   const BoxPartition<3> thirds(points, 2, 1.0 / 3);
-  for (const Vec<3>& p : points) n_first += thirds.part_of(p) == 0 ? 1 : 0;
+  for (const Vec<3>& p : points) n_first += thirds.place_of(p).part == 0 ? 1 : 0;
   EXPECT_NEAR(static_cast<double>(n_first), 64000.0 / 9, 2.0);
 }
 
@@ -47,15 +47,15 @@ TEST(BoxPartition, DepthIsTheDistanceFromThePlanes) {
   const std::vector<Vec<2>> points = test::random_points<2>(1000);
   const BoxPartition<2> boxes(points, 3, 1.0 / 3);
   for (const Vec<2>& p : points) {
-    const double depth = boxes.depth(p);
+    const double depth = boxes.place_of(p).depth;
     bool leaves = false;
     for (int k = 0; k < 2; ++k)
       for (const double sign : {-1.0, 1.0}) {
         Vec<2> moved = p;
         moved[k] += sign * 0.999 * depth;
-        EXPECT_EQ(boxes.part_of(moved), boxes.part_of(p));
+        EXPECT_EQ(boxes.place_of(moved).part, boxes.place_of(p).part);
         moved[k] = p[k] + sign * 1.001 * depth;
-        leaves = leaves || boxes.part_of(moved) != boxes.part_of(p);
+        leaves = leaves || boxes.place_of(moved).part != boxes.place_of(p).part;
       }
     EXPECT_TRUE(leaves || depth == 0);
   }
@@ -63,7 +63,7 @@ TEST(BoxPartition, DepthIsTheDistanceFromThePlanes) {
 
 TEST(BoxPartition, EqualPointsAreInOnePart) {
   const BoxPartition<2> boxes(std::vector<Vec<2>>(100, Vec<2>{1, 2}), 3, 0.5);
-  EXPECT_EQ(boxes.part_of({1, 2}), boxes.n_parts() - 1);
+  EXPECT_EQ(boxes.place_of({1, 2}).part, boxes.n_parts() - 1);
 }
 
 /// Chains 0, m, 2m, ..; 1, m + 1, ..: the root of each is its smallest number.
