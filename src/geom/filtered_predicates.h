@@ -74,7 +74,8 @@ class FilteredPredicates<2> {
     return orientation_exact(a, b, c);
   }
 
-  [[nodiscard]] int in_circumball(const Vec<2>& a, const Vec<2>& b, const Vec<2>& c, const Vec<2>& e) const {
+  [[nodiscard, gnu::always_inline]] int in_circumball(const Vec<2>& a, const Vec<2>& b, const Vec<2>& c,
+                                                      const Vec<2>& e) const {
     const double aex = a[0] - e[0], bex = b[0] - e[0], cex = c[0] - e[0];
     const double aey = a[1] - e[1], bey = b[1] - e[1], cey = c[1] - e[1];
     const double alift = aex * aex + aey * aey;
@@ -124,8 +125,8 @@ class FilteredPredicates<3> {
     return orientation_exact(a, b, c, d);
   }
 
-  [[nodiscard]] int in_circumball(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c, const Vec<3>& d,
-                                  const Vec<3>& e) const {
+  [[nodiscard, gnu::always_inline]] int in_circumball(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c,
+                                                      const Vec<3>& d, const Vec<3>& e) const {
     const double aex = a[0] - e[0], bex = b[0] - e[0], cex = c[0] - e[0], dex = d[0] - e[0];
     const double aey = a[1] - e[1], bey = b[1] - e[1], cey = c[1] - e[1], dey = d[1] - e[1];
     const double aez = a[2] - e[2], bez = b[2] - e[2], cez = c[2] - e[2], dez = d[2] - e[2];

@@ -4,8 +4,10 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
+#include "base/parallel.h"
 #include "base/random.h"
 
 namespace voropack {
@@ -112,13 +114,14 @@ class Sorter {
     const double cells = std::ldexp(1.0, kHilbertBits<K>);
     const double scale = extent > 0 && std::isfinite(cells / extent) ? cells / extent : 0.0;
     const double top = cells - 1;
-    for (Keyed& k : keyed) {
+    parallel_for(keyed.size(), [&](std::size_t i) {
+      Keyed& k = keyed[i];
       std::array<std::uint32_t, K> cell{};
       for (int axis = 0; axis < K; ++axis)
         cell[static_cast<std::size_t>(axis)] =
             static_cast<std::uint32_t>(std::min((points_[k.index][axis] - box.lo[axis]) * scale, top));
       k.key = hilbert_key<K>(cell);
-    }
+    });
   }
 
   /// Sorts points that fell into one cell. The recursion ends because their box is at most a cell large.

@@ -1,8 +1,11 @@
 #include "spheres/region_labels.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <unordered_map>
 
+#include "base/disjoint_sets.h"
+#include "base/parallel.h"
 #include "base/random.h"
 #include "geom/predicates.h"
 
@@ -52,86 +55,154 @@ Face<K> inward_face(const std::array<std::uint32_t, K + 1>& corners, std::size_t
   return f;
 }
 
+/// Slots per task. What the tasks find is put together in their order.
+constexpr std::size_t kBlock = 1U << 14U;
+
+template <int K>
+class Labeler {
+ public:
+  Labeler(const DelaunayKernel<K>& kernel, const std::vector<ProtectedFace<K>>& faces)
+      : kernel_(kernel), faces_(faces), closed_(kernel.n_slots(), 0) {
+    index_.reserve(faces.size());
+    for (std::uint32_t i = 0; i < faces.size(); ++i) {
+      Face<K> key = faces[i].corners;
+      const bool odd = sort_corners<K>(key);
+      index_.emplace(key, Entry{i, odd});
+      last_fixed_ = std::max(last_fixed_, key.back());
+    }
+  }
+
+  RegionLabels<K> run() {
+    RegionLabels<K> labels;
+    labels.region.assign(closed_.size(), kUnlabeled);
+    find_seeds();
+    labels.missing_faces = missing_faces();
+    if (!labels.missing_faces.empty()) return labels;
+    flood(labels.region);
+    labels.leaking_faces = leaking_faces(labels.region);
+    return labels;
+  }
+
+ private:
+  struct Entry {
+    std::uint32_t face;
+    bool odd;
+  };
+
+  /// A simplex whose region is known.
+  struct Seed {
+    std::uint32_t slot;
+    int region;
+  };
+
+  struct Found {
+    std::vector<Seed> seeds;
+    std::vector<std::uint32_t> faces;  ///< Protected faces that were met.
+  };
+
+  /// Marks the closed faces of all simplices. Seeds are the simplices at these and at infinity.
+  void find_seeds() {
+    found_.resize((closed_.size() + kBlock - 1) / kBlock);
+    parallel_for(
+        found_.size(),
+        [&](std::size_t block) {
+          const std::size_t end = std::min(closed_.size(), (block + 1) * kBlock);
+          for (std::size_t slot = block * kBlock; slot < end; ++slot)
+            if (kernel_.is_alive(static_cast<std::uint32_t>(slot)))
+              look_at(static_cast<std::uint32_t>(slot), found_[block]);
+        },
+        1);
+  }
+
+  void look_at(std::uint32_t slot, Found& found) {
+    const auto corners = kernel_.corners(slot);
+    const bool finite = kernel_.is_finite(slot);
+    if (!finite) found.seeds.push_back({slot, Walls<K>::kOutside});
+    for (std::size_t i = 0; i <= K; ++i) {
+      bool fixed = true;
+      for (std::size_t j = 0; j <= K; ++j) fixed = fixed && (j == i || corners[j] <= last_fixed_);
+      if (!fixed) continue;
+      Face<K> f = inward_face<K>(corners, i);
+      const bool odd = sort_corners<K>(f);
+      const auto it = index_.find(f);
+      if (it == index_.end()) continue;
+      closed_[slot] = static_cast<std::uint8_t>(closed_[slot] | (1U << i));
+      found.faces.push_back(it->second.face);
+      if (finite) found.seeds.push_back({slot, faces_[it->second.face].regions[odd == it->second.odd ? 0 : 1]});
+    }
+  }
+
+  /// Faces that were not met from both sides.
+  [[nodiscard]] std::vector<std::uint32_t> missing_faces() const {
+    std::vector<std::uint8_t> seen(faces_.size(), 0);
+    for (const Found& found : found_)
+      for (const std::uint32_t face : found.faces) ++seen[face];
+    std::vector<std::uint32_t> missing;
+    for (const auto& [key, entry] : index_)
+      if (seen[entry.face] != 2) missing.push_back(entry.face);
+    std::sort(missing.begin(), missing.end());
+    return missing;
+  }
+
+  /// Simplices that are joined by faces that are not closed get the region of their first seed.
+  void flood(std::vector<int>& region) const {
+    DisjointSets sets(region.size());
+    parallel_for(region.size(), [&](std::size_t i) {
+      const auto slot = static_cast<std::uint32_t>(i);
+      if (!kernel_.is_alive(slot)) return;
+      const auto neighbors = kernel_.neighbors(slot);
+      for (std::size_t k = 0; k <= K; ++k)
+        if ((closed_[slot] >> k & 1U) == 0 && neighbors[k] < slot) sets.join(slot, neighbors[k]);
+    });
+    for (const Found& found : found_)
+      for (const Seed& seed : found.seeds)
+        if (int& r = region[sets.find(seed.slot)]; r == kUnlabeled) r = seed.region;
+    // The root of a set is its smallest slot, so the blocks that read a root may not be done with it yet: they do not
+    // change it.
+    parallel_for(region.size(), [&](std::size_t i) {
+      const auto slot = static_cast<std::uint32_t>(i);
+      if (const std::uint32_t root = sets.find(slot); root != slot)
+        region[slot] = region[root];
+      else if (!kernel_.is_alive(slot))
+        region[slot] = Walls<K>::kOutside;
+    });
+  }
+
+  /// Faces of the seeds that a flood with another region has reached.
+  [[nodiscard]] std::vector<std::uint32_t> leaking_faces(const std::vector<int>& region) const {
+    std::vector<std::uint32_t> leaking;
+    for (const Found& found : found_)
+      for (const Seed& seed : found.seeds) {
+        if (region[seed.slot] == seed.region) continue;
+        const auto corners = kernel_.corners(seed.slot);
+        for (std::size_t i = 0; i <= K; ++i) {
+          if ((closed_[seed.slot] >> i & 1U) == 0) continue;
+          Face<K> f = inward_face<K>(corners, i);
+          sort_corners<K>(f);
+          leaking.push_back(index_.at(f).face);
+        }
+      }
+    return leaking;
+  }
+
+  const DelaunayKernel<K>& kernel_;
+  const std::vector<ProtectedFace<K>>& faces_;
+  std::unordered_map<Face<K>, Entry, FaceHash<K>> index_;
+  std::uint32_t last_fixed_ = 0;
+  std::vector<std::uint8_t> closed_;  ///< By slot. Bit i: the face opposite to corner i is protected.
+  std::vector<Found> found_;          ///< By block of slots.
+};
+
 }  // namespace
 
 template <int K>
 RegionLabels<K> label_regions(const DelaunayKernel<K>& kernel, const std::vector<ProtectedFace<K>>& faces) {
-  struct Entry {
-    std::uint32_t face;
-    bool odd;
-    int seen = 0;
-  };
-  std::unordered_map<Face<K>, Entry, FaceHash<K>> index;
-  index.reserve(faces.size());
-  std::uint32_t last_fixed = 0;
-  for (std::uint32_t i = 0; i < faces.size(); ++i) {
-    Face<K> key = faces[i].corners;
-    const bool odd = sort_corners<K>(key);
-    index.emplace(key, Entry{i, odd});
-    last_fixed = std::max(last_fixed, key.back());
-  }
-
+  if (!faces.empty()) return Labeler<K>(kernel, faces).run();
   RegionLabels<K> labels;
-  const std::uint32_t n = kernel.n_slots();
-  labels.region.assign(n, kUnlabeled);
-  std::vector<std::uint8_t> closed(n, 0);  // Bit i: the face opposite to corner i is protected.
-  std::vector<std::uint32_t> stack;
-  std::vector<std::pair<std::uint32_t, int>> seeds;
-  for (std::uint32_t slot = 0; slot < n; ++slot) {
-    if (!kernel.is_alive(slot)) {
-      labels.region[slot] = Walls<K>::kOutside;
-      continue;
-    }
-    if (faces.empty()) {
-      labels.region[slot] = kernel.is_finite(slot) ? 0 : Walls<K>::kOutside;
-      continue;
-    }
-    const auto corners = kernel.corners(slot);
-    const bool finite = kernel.is_finite(slot);
-    if (!finite) seeds.push_back({slot, Walls<K>::kOutside});
-    for (std::size_t i = 0; i <= K; ++i) {
-      bool fixed = true;
-      for (std::size_t j = 0; j <= K; ++j) fixed = fixed && (j == i || corners[j] <= last_fixed);
-      if (!fixed) continue;
-      Face<K> f = inward_face<K>(corners, i);
-      const bool odd = sort_corners<K>(f);
-      const auto it = index.find(f);
-      if (it == index.end()) continue;
-      closed[slot] = static_cast<std::uint8_t>(closed[slot] | (1U << i));
-      ++it->second.seen;
-      if (finite) seeds.push_back({slot, faces[it->second.face].regions[odd == it->second.odd ? 0 : 1]});
-    }
-  }
-  for (const auto& [key, entry] : index)
-    if (entry.seen != 2) labels.missing_faces.push_back(entry.face);
-  std::sort(labels.missing_faces.begin(), labels.missing_faces.end());
-  if (!labels.missing_faces.empty()) return labels;
-
-  for (const auto& [seed, region] : seeds) {
-    if (labels.region[seed] != kUnlabeled) continue;
-    labels.region[seed] = region;
-    stack.assign(1, seed);
-    while (!stack.empty()) {
-      const std::uint32_t slot = stack.back();
-      stack.pop_back();
-      const auto neighbors = kernel.neighbors(slot);
-      for (std::size_t i = 0; i <= K; ++i) {
-        if ((closed[slot] >> i & 1U) != 0 || labels.region[neighbors[i]] != kUnlabeled) continue;
-        labels.region[neighbors[i]] = region;
-        stack.push_back(neighbors[i]);
-      }
-    }
-  }
-  for (const auto& [seed, region] : seeds) {
-    if (labels.region[seed] == region) continue;
-    const auto corners = kernel.corners(seed);
-    for (std::size_t i = 0; i <= K; ++i) {
-      if ((closed[seed] >> i & 1U) == 0) continue;
-      Face<K> f = inward_face<K>(corners, i);
-      sort_corners<K>(f);
-      labels.leaking_faces.push_back(index.at(f).face);
-    }
-  }
+  labels.region.resize(kernel.n_slots());
+  parallel_for(labels.region.size(), [&](std::size_t slot) {
+    labels.region[slot] = kernel.is_finite(static_cast<std::uint32_t>(slot)) ? 0 : Walls<K>::kOutside;
+  });
   return labels;
 }
 
@@ -147,14 +218,15 @@ Triangulation<K> export_triangulation(const DelaunayKernel<K>& kernel, const std
   t.simplices.resize(count);
   t.neighbors.resize(count);
   t.regions.resize(count);
-  for (std::uint32_t slot = 0; slot < n; ++slot) {
+  parallel_for(n, [&](std::size_t i) {
+    const auto slot = static_cast<std::uint32_t>(i);
     const std::uint32_t s = index[slot];
-    if (s == kNone) continue;
+    if (s == kNone) return;
     t.simplices[s] = kernel.corners(slot);
     t.regions[s] = region[slot];
     const auto neighbors = kernel.neighbors(slot);
-    for (std::size_t i = 0; i <= K; ++i) t.neighbors[s][i] = index[neighbors[i]];
-  }
+    for (std::size_t k = 0; k <= K; ++k) t.neighbors[s][k] = index[neighbors[k]];
+  });
   return t;
 }
 

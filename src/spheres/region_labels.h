@@ -1,4 +1,5 @@
-// Which region each simplex of a triangulation lies in: a flood fill that stops at the protected faces.
+// Which region each simplex of a triangulation lies in: the components that remain when the protected
+// faces are taken away.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,5 @@
 voropack_test(bowyer_watson_test unit/bowyer_watson_test.cpp)
 voropack_test(delaunay_kernel_test property/delaunay_kernel_test.cpp)
 voropack_test(exact_predicates_test unit/exact_predicates_test.cpp)
+voropack_test(insertion_parts_test unit/insertion_parts_test.cpp)
+voropack_test(parallel_insertion_test property/parallel_insertion_test.cpp)
