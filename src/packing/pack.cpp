@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include "base/random.h"
 #include "geom/circumcenter.h"
 #include "packing/boundary.h"
+#include "packing/budget.h"
 #include "packing/incidence.h"
 #include "spheres/pack_interior.h"
 #include "voropack/packing.h"
@@ -15,10 +15,6 @@
 namespace voropack {
 
 namespace {
-
-/// Peak memory of the whole pipeline per vertex in bytes, measured (docs/theory/packing.md).
-template <int D>
-constexpr double kBytesPerVertex = D == 3 ? 1200 : 500;
 
 std::array<int, 2> regions_of_wall(const std::array<RegionId, 2>& sides) {
   std::array<int, 2> result;
@@ -105,42 +101,28 @@ void add_caps(std::vector<SpacingCap<D>>& caps, std::vector<SpacingCap<D>> more,
   caps.insert(caps.end(), added.begin(), added.end());
 }
 
-template <int D>
-void check_limits(double estimate, const PackingOptions& options) {
-  if (estimate > static_cast<double>(options.max_vertices))
-    throw LimitError(Fault{
-        .id = "packing.too_many_vertices",
-        .message =
-            fmt::format("the mesh would have about {:.3g} vertices; the limit is {}", estimate, options.max_vertices),
-        .fix = fmt::format("ask for larger sizes, or raise --max-vertices to {:.2g}", 1.3 * estimate)});
-  const double needed = estimate * kBytesPerVertex<D>;
-  const double available = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  if (available > 0 && needed > available)
-    throw LimitError(
-        Fault{.id = "packing.too_little_memory",
-              .message = fmt::format("the mesh would have about {:.3g} vertices and need {:.3g} GB of memory; the "
-                                     "machine has {:.3g} GB",
-                                     estimate, needed / 1e9, available / 1e9),
-              .fix = "ask for larger sizes, or use a machine with more memory"});
-}
-
 }  // namespace
 
 template <int D>
 Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options, Observer& observer) {
   observer.begin_stage("packing");
-  check_limits<D>(estimate_sphere_count(domain, spacing, options), options);
+  Budget<D> budget(domain, options);
+  budget.check(spacing);
   const WallLocator<D> walls = locator_of(domain);
   std::vector<SpacingCap<D>> caps;
   Protection<D> protection(domain);
+  std::size_t n_boundary = 0;
   for (int round = 0; round <= options.max_repairs; ++round) {
     observer.check_cancelled();
     const Spacing<D> f = caps.empty() ? spacing : spacing.with_caps(caps);
+    if (round > 0) budget.check_again(f, n_boundary);
     BoundaryPacking<D> boundary = pack_boundary(domain, f, protection, options, observer);
+    n_boundary = boundary.packing.center.size();
     if (boundary.faults.empty() && !boundary.protects_more) {
       std::vector<SpacingCap<D>> all_caps = caps;
       all_caps.insert(all_caps.end(), boundary.tied.begin(), boundary.tied.end());
       const Spacing<D> tied = all_caps.empty() ? spacing : spacing.with_caps(all_caps);
+      if (!boundary.tied.empty()) budget.check_again(tied, n_boundary);
       const PackingProblem<D> problem = interior_problem(domain, tied, boundary, walls, options);
       PackedInterior<D> interior = pack_interior(problem, false, observer);
       if (interior.broken_faces.empty()) {
@@ -150,8 +132,10 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
         return std::move(boundary.packing);
       }
       const std::size_t first = boundary.balls.size() - problem.faces.size();
+      const auto& walls_of_balls = wall_simplices(boundary.packing);
       for (const std::uint32_t i : interior.broken_faces)
-        boundary.faults.push_back(repair_cap(boundary.balls[first + i].center, boundary.balls[first + i].radius, f));
+        boundary.faults.push_back(repair_cap(boundary.balls[first + i].center, boundary.balls[first + i].radius, f,
+                                             walls_of_balls[i].carrier, walls_of_balls[i].carrier));
     }
     observer.log(LogLevel::kInfo,
                  fmt::format("round {}: f shrinks at {} places; {} fans, {} books and {} corners are protected",

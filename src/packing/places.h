@@ -1,0 +1,25 @@
+// Where two polytopes are nearest to each other, or meet.
+#pragma once
+
+#include "packing/incidence.h"
+
+namespace voropack {
+
+/// Two points, one on each of two polytopes, that are nearest to each other.
+template <int D>
+struct Gap {
+  Vec<D> middle;  ///< Between the two.
+  double size;    ///< Their distance. Length.
+};
+
+/// The nearest points of p and q, by projecting from one to the other, starting with `near`. Where there are many, as
+/// between parallel facets, those near to it; where a facet is not convex, perhaps the nearest in that part only.
+template <int D>
+Gap<D> nearest_gap(const Domain<D>& domain, PolytopeId p, PolytopeId q, const Vec<D>& near);
+
+/// Of the points and segments that two polytopes have in common, which must be some, the point nearest to x.
+template <int D>
+Vec<D> nearest_common_point(const Domain<D>& domain, const Incidence<D>& incidence, PolytopeId p, PolytopeId q,
+                            const Vec<D>& x);
+
+}  // namespace voropack
