@@ -118,7 +118,7 @@ std::string features_text(const MeshingResult<D>& result) {
   double sum = 0;
   for (const CostlyFeature<D>& feature : result.costliest_features) sum += feature.vertices;
   if (sum < kWorthTelling * static_cast<double>(result.mesh.points.size())) return {};
-  std::string text = "What geometry asks for most vertices:\n";
+  std::string text = "Costliest features:\n";
   for (const CostlyFeature<D>& feature : result.costliest_features)
     text += "  " + describe(feature, result.domain) + '\n';
   return text + '\n';

@@ -1,6 +1,8 @@
 // Stops a packing before it needs more vertices or memory than there may be.
 #pragma once
 
+#include <string>
+
 #include "voropack/packing.h"
 
 namespace voropack {
@@ -11,13 +13,16 @@ class Budget {
  public:
   Budget(const Domain<D>& domain, const PackingOptions& options) : domain_(domain), options_(options) {}
 
-  /// Throws LimitError if f asks for too many vertices.
-  void check(const Spacing<D>& f);
+  /// Throws LimitError if f asks for too many vertices, or would after the repairs that small angles are likely to
+  /// need.
+  void check_ahead(const Spacing<D>& f);
   /// The same after f shrank in one round, for which `n_boundary` spheres were on the boundary. The estimate costs as
   /// much as a small mesh, so it is made only if the limit may be within reach.
   void check_again(const Spacing<D>& f, std::size_t n_boundary);
 
  private:
+  void check(const Spacing<D>& f);
+  [[noreturn]] void refuse(const Spacing<D>& f, double estimate, const std::string& remark) const;
   [[nodiscard]] double affordable() const;
 
   const Domain<D>& domain_;

@@ -6,7 +6,7 @@
 namespace voropack {
 
 /// f with caps where repairs will shrink it because polytopes meet at small angles: a rough model, for estimates only.
-template <int D>
-Spacing<D> with_foreseen_caps(const Domain<D>& domain, const Spacing<D>& spacing);
+Spacing<2> with_foreseen_caps(const Domain<2>& domain, const Spacing<2>& spacing);
+Spacing<3> with_foreseen_caps(const Domain<3>& domain, const Spacing<3>& spacing);
 
 }  // namespace voropack

@@ -107,7 +107,7 @@ template <int D>
 Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options, Observer& observer) {
   observer.begin_stage("packing");
   Budget<D> budget(domain, options);
-  budget.check(spacing);
+  budget.check_ahead(spacing);
   const WallLocator<D> walls = locator_of(domain);
   std::vector<SpacingCap<D>> caps;
   Protection<D> protection(domain);

@@ -37,6 +37,8 @@ class Nearest {
   double least_sq_ = std::numeric_limits<double>::infinity();
 };
 
+}  // namespace
+
 template <int D>
 Vec<D> nearest_point_of(const Domain<D>& domain, PolytopeId p, const Vec<D>& x) {
   const auto corner = [&](PointId i) { return domain.points[i]; };
@@ -53,8 +55,6 @@ Vec<D> nearest_point_of(const Domain<D>& domain, PolytopeId p, const Vec<D>& x) 
                                   domain.facet_frame[FacetId(p.index)].normal);
   return nearest.best();
 }
-
-}  // namespace
 
 template <int D>
 Gap<D> nearest_gap(const Domain<D>& domain, PolytopeId p, PolytopeId q, const Vec<D>& near) {
@@ -80,6 +80,7 @@ Vec<D> nearest_common_point(const Domain<D>& domain, const Incidence<D>& inciden
 }
 
 #define VOROPACK_INSTANTIATE(D)                                                         \
+  template Vec<D> nearest_point_of(const Domain<D>&, PolytopeId, const Vec<D>&);        \
   template Gap<D> nearest_gap(const Domain<D>&, PolytopeId, PolytopeId, const Vec<D>&); \
   template Vec<D> nearest_common_point(const Domain<D>&, const Incidence<D>&, PolytopeId, PolytopeId, const Vec<D>&);
 VOROPACK_INSTANTIATE(2)

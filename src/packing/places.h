@@ -5,6 +5,10 @@
 
 namespace voropack {
 
+/// The point of a polytope of dimension < D that is nearest to x.
+template <int D>
+Vec<D> nearest_point_of(const Domain<D>& domain, PolytopeId p, const Vec<D>& x);
+
 /// Two points, one on each of two polytopes, that are nearest to each other.
 template <int D>
 struct Gap {
