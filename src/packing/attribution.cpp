@@ -206,9 +206,10 @@ std::vector<Group> least_grouping(const std::vector<Account<D>>& accounts) {
     for (const Group& group : groups) sum += group.count;
     return sum;
   };
-  constexpr double kFirstReach = 4, kFirstRatio = 1.5;
+  // In small steps, so that no more is joined than has to be.
+  constexpr double kFirstReach = 1, kReachStep = 1.4, kFirstRatio = 1.2, kRatioStep = 1.15;
   for (double reach = kFirstReach, ratio = kFirstRatio; covered() < kCoverage * total && std::isfinite(reach);
-       reach *= 2, ratio *= std::numbers::sqrt2)
+       reach *= kReachStep, ratio *= kRatioStep)
     groups = grouped(accounts, reach, ratio);
   std::stable_sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) { return a.count > b.count; });
   return groups;

@@ -92,26 +92,26 @@ void Budget<D>::refuse(const Spacing<D>& f, double estimate, const std::string& 
 }
 
 template <int D>
-void Budget<D>::check(const Spacing<D>& f) {
-  estimate_ = estimate_sphere_count(domain_, f, options_);
-  if (!(estimate_ <= affordable())) refuse(f, estimate_, "");
-}
-
-template <int D>
 void Budget<D>::check_ahead(const Spacing<D>& f) {
-  check(f);
+  estimate_ = estimate_sphere_count(domain_, f, options_);
   const auto limit = static_cast<double>(options_.max_vertices);
-  if (kMostForeseen * estimate_ < limit) return;
+  if (!std::isfinite(estimate_)) refuse(f, estimate_, "");
+  if (estimate_ <= affordable() && kMostForeseen * estimate_ < limit) return;
   const Spacing<D> foreseen = with_foreseen_caps(domain_, f);
   const double estimate = estimate_sphere_count(domain_, foreseen, options_);
-  if (!(estimate <= limit))
-    refuse(foreseen, estimate, fmt::format(" (a rough guess: {:.3g} if small angles cost nothing)", estimate_));
+  const bool is_rough = estimate > kRoom * estimate_;
+  // What angles cost is too uncertain to refuse what memory may well suffice for: that limit cannot be raised.
+  if (estimate > limit || estimate_ > affordable())
+    refuse(foreseen, estimate,
+           is_rough ? fmt::format(" (a rough guess: {:.3g} if small angles cost nothing)", estimate_) : "");
 }
 
 template <int D>
 void Budget<D>::check_again(const Spacing<D>& f, std::size_t n_boundary) {
   estimate_ = std::max(estimate_, static_cast<double>(n_boundary));
-  if (kMostGrowth * estimate_ > affordable()) check(f);
+  if (kMostGrowth * estimate_ <= affordable()) return;
+  estimate_ = estimate_sphere_count(domain_, f, options_);
+  if (!(estimate_ <= affordable())) refuse(f, estimate_, "");
 }
 
 template class Budget<2>;

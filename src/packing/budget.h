@@ -21,7 +21,6 @@ class Budget {
   void check_again(const Spacing<D>& f, std::size_t n_boundary);
 
  private:
-  void check(const Spacing<D>& f);
   [[noreturn]] void refuse(const Spacing<D>& f, double estimate, const std::string& remark) const;
   [[nodiscard]] double affordable() const;
 
