@@ -3,6 +3,7 @@
 // are copied, and f stays as it is.
 #include "packing/foresight.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -25,8 +26,8 @@ constexpr double kSmallAngle = std::numbers::pi / 6;
 constexpr double kCornerRadius = 2.7;
 /// A piece of P is at most this part of its distance from Q's common points as large.
 constexpr double kPieceSize = 0.4;
-/// No more pieces of one polytope are looked at.
-constexpr std::size_t kMaxPieces = 4'000;
+/// No more pieces of one polytope, and of all, are looked at.
+constexpr std::size_t kMaxPieces = 4'000, kMaxAllPieces = 100'000;
 
 class Foresight {
  public:
@@ -34,6 +35,26 @@ class Foresight {
       : domain_(domain), spacing_(spacing), protection_(domain), incidence_(protection_.incidence) {}
 
   std::vector<SpacingCap<3>> run() {
+    std::vector<Meeting> meetings = small_angles();
+    std::sort(meetings.begin(), meetings.end());
+    for (const Meeting& meeting : meetings)
+      if (n_pieces_ < kMaxAllPieces) foresee(meeting.a, meeting.b);
+    return std::move(caps_);
+  }
+
+ private:
+  struct Meeting {
+    double angle;
+    PolytopeId a, b;
+    friend auto operator<=>(const Meeting&, const Meeting&) = default;
+  };
+  struct Piece {
+    std::array<Vec<3>, 3> corner;
+    std::size_t n_corners;
+  };
+
+  [[nodiscard]] std::vector<Meeting> small_angles() const {
+    std::vector<Meeting> meetings;
     std::set<std::array<PolytopeId, 2>> seen;
     for (const PointId p : ids(domain_.points)) {
       std::vector<PolytopeId> around;
@@ -44,17 +65,11 @@ class Foresight {
           // Segments carry the same distances from a common point, whatever their angle.
           if (!(a < b) || b.dimension == 1 || !seen.insert({a, b}).second) continue;
           const std::optional<double> angle = incidence_.meeting_angle(a, b);
-          if (angle && *angle < kSmallAngle) foresee(a, b);
+          if (angle && *angle < kSmallAngle) meetings.push_back({*angle, a, b});
         }
     }
-    return std::move(caps_);
+    return meetings;
   }
-
- private:
-  struct Piece {
-    std::array<Vec<3>, 3> corner;
-    std::size_t n_corners;
-  };
 
   void foresee(PolytopeId a, PolytopeId b) {
     std::optional<BookZone> zone;
@@ -72,7 +87,7 @@ class Foresight {
   /// Caps on p where it is near to q. `page` is that of p in the zone.
   void cover(PolytopeId p, PolytopeId q, const BookZone* zone, std::size_t page) {
     std::vector<Piece> pieces = pieces_of(p);
-    for (std::size_t i = 0; i < pieces.size() && i < kMaxPieces; ++i) {
+    for (std::size_t i = 0; i < pieces.size() && i < kMaxPieces; ++i, ++n_pieces_) {
       const Piece piece = pieces[i];
       Vec<3> center;
       for (std::size_t k = 0; k < piece.n_corners; ++k)
@@ -137,6 +152,7 @@ class Foresight {
   const Protection<3> protection_;
   const Incidence<3>& incidence_;
   std::vector<SpacingCap<3>> caps_;
+  std::size_t n_pieces_ = 0;
 };
 
 }  // namespace
