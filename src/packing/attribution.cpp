@@ -33,6 +33,8 @@ using Key = std::array<PolytopeId, 2>;
 template <int D>
 struct Account {
   Key key;
+  typename CostlyFeature<D>::Kind kind = CostlyFeature<D>::Kind::kGap;
+  double angle_deg = 0;  // kAngle only.
   double count = 0;
   double weight = 0;      // Of what was added up in `moment`.
   Vec<D> moment;          // Positions times weights.
@@ -136,6 +138,19 @@ class Partners {
   std::map<PolytopeId, Key> known_;
 };
 
+/// An empty account of a pair.
+template <int D>
+Account<D> open_account(const Incidence<D>& incidence, const Key& key) {
+  using Kind = typename CostlyFeature<D>::Kind;
+  Account<D> account;
+  account.key = key;
+  if (incidence.common_points(key[0], key[1]).empty()) return account;
+  const std::optional<double> angle = incidence.meeting_angle(key[0], key[1]);
+  account.kind = angle && *angle < kSharpAngle ? Kind::kAngle : Kind::kRepair;
+  if (account.kind == Kind::kAngle) account.angle_deg = *angle * 180 / std::numbers::pi;
+  return account;
+}
+
 /// Accounts of all pairs, the costliest first.
 template <int D>
 std::vector<Account<D>> add_up(const Domain<D>& domain, const Incidence<D>& incidence, const Spacing<D>& spacing,
@@ -148,7 +163,9 @@ std::vector<Account<D>> add_up(const Domain<D>& domain, const Incidence<D>& inci
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (const Part& part : parts[i].parts) {
       const Key key = partners.complete(part.key);
-      Account<D>& account = accounts.try_emplace(key, Account<D>{.key = key, .moment = {}}).first->second;
+      auto found = accounts.find(key);
+      if (found == accounts.end()) found = accounts.emplace(key, open_account(incidence, key)).first;
+      Account<D>& account = found->second;
       const double count = part.part * points[i].count, weight = std::abs(count);
       account.count += count;
       account.weight += weight;
@@ -171,8 +188,8 @@ struct Group {
   double count = 0;
 };
 
-/// Groups of accounts around the costliest that is left, as many as are reported: those join it that are within `reach`
-/// times its f and whose f is like its own up to the factor `ratio`.
+/// Groups of accounts around the costliest that is left, as many as are reported: those of its kind join it that are
+/// within `reach` times its f and whose f is like its own up to the factor `ratio`.
 template <int D>
 std::vector<Group> grouped(const std::vector<Account<D>>& accounts, double reach, double ratio) {
   std::vector<Group> groups;
@@ -185,7 +202,7 @@ std::vector<Group> grouped(const std::vector<Account<D>>& accounts, double reach
       const Account<D>& other = accounts[i];
       const bool is_like = other.least_f <= ratio * leader.least_f && leader.least_f <= ratio * other.least_f;
       const bool is_near = distance(other.middle(), leader.middle()) <= reach * leader.least_f;
-      if (i != lead && (is_taken[i] != 0 || !is_like || !is_near)) continue;
+      if (i != lead && (is_taken[i] != 0 || other.kind != leader.kind || !is_like || !is_near)) continue;
       is_taken[i] = 1;
       group.members.push_back(i);
       group.count += other.count;
@@ -216,28 +233,30 @@ std::vector<Group> least_grouping(const std::vector<Account<D>>& accounts) {
 }
 
 template <int D>
-CostlyFeature<D> describe_group(const Domain<D>& domain, const Incidence<D>& incidence,
-                                const std::vector<Account<D>>& accounts, const Group& group) {
+CostlyFeature<D> feature_of(const Domain<D>& domain, const Incidence<D>& incidence,
+                            const std::vector<Account<D>>& accounts, const Group& group) {
   const Account<D>& leader = accounts[group.members.front()];
+  const auto [p, q] = leader.key;
   CostlyFeature<D> feature;
+  feature.kind = leader.kind;
   feature.polytopes = leader.key;
   feature.vertices = group.count;
   feature.n_pairs = group.members.size();
-  const auto [p, q] = leader.key;
-  const std::optional<double> angle = incidence.meeting_angle(p, q);
-  if (incidence.common_points(p, q).empty()) {
-    feature.kind = CostlyFeature<D>::Kind::kGap;
-    const Gap<D> gap = nearest_gap(domain, p, q, leader.middle());
-    feature.place = gap.middle;
-    feature.size = gap.size;
-  } else if (angle && *angle < kSharpAngle) {
-    feature.kind = CostlyFeature<D>::Kind::kAngle;
-    feature.place = nearest_common_point(domain, incidence, p, q, leader.middle());
-    feature.angle_deg = *angle * 180 / std::numbers::pi;
-  } else {
-    feature.kind = CostlyFeature<D>::Kind::kRepair;
-    feature.place = leader.middle();
-    feature.size = 2 * leader.size_there;
+  switch (leader.kind) {
+    case CostlyFeature<D>::Kind::kGap: {
+      const Gap<D> gap = nearest_gap(domain, p, q, leader.middle());
+      feature.place = gap.middle;
+      feature.size = gap.size;
+      break;
+    }
+    case CostlyFeature<D>::Kind::kAngle:
+      feature.place = nearest_common_point(domain, incidence, p, q, leader.middle());
+      feature.angle_deg = leader.angle_deg;
+      break;
+    case CostlyFeature<D>::Kind::kRepair:
+      feature.place = leader.middle();
+      feature.size = 2 * leader.size_there;
+      break;
   }
   for (const std::size_t i : group.members)
     feature.radius = std::max(feature.radius, distance(leader.middle(), accounts[i].middle()));
@@ -253,7 +272,7 @@ std::vector<CostlyFeature<D>> attribute(const Domain<D>& domain, const Spacing<D
   const std::vector<Account<D>> accounts = add_up(domain, incidence, spacing, thinned(std::move(points)));
   std::vector<CostlyFeature<D>> features;
   for (const Group& group : least_grouping(accounts))
-    if (group.count >= kLeastCount) features.push_back(describe_group(domain, incidence, accounts, group));
+    if (group.count >= kLeastCount) features.push_back(feature_of(domain, incidence, accounts, group));
   return features;
 }
 
