@@ -20,8 +20,8 @@ namespace voropack {
 
 namespace {
 
-/// Points that stand for all: a feature with a tenth of all vertices is known to 4 % of itself.
-constexpr std::size_t kMaxPoints = 5'000;
+/// Points that stand for all: a feature with a tenth of all vertices is known to 5 % of itself.
+constexpr std::size_t kMaxPoints = 3'000;
 /// What would make f more than this many times larger is not looked for; its part goes to what decides f.
 constexpr double kReach = 2;
 /// Features of less than this many vertices are left out.

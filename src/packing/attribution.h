@@ -16,7 +16,7 @@ struct CountedPoint {
 };
 
 /// What the vertices at `points` are due to, beside wishes: at most kMaxFeatures features, the costliest first, which
-/// make up kCoverage of all that pairs of polytopes and caps account for. Of many points, 5000 stand for all.
+/// make up kCoverage of all that pairs of polytopes and caps account for. Of many points, 3000 stand for all.
 template <int D>
 std::vector<CostlyFeature<D>> attribute(const Domain<D>& domain, const Spacing<D>& spacing,
                                         std::vector<CountedPoint<D>> points);

@@ -16,8 +16,8 @@ struct Gap {
   double size;    ///< Their distance. Length.
 };
 
-/// The nearest points of p and q, by projecting from one to the other, starting with `near`. Where there are many, as
-/// between parallel facets, those near to it; where a facet is not convex, perhaps the nearest in that part only.
+/// The nearest points of p and q, which do not meet. Where there are many, as between parallel facets, those that one
+/// comes to from `near` by projecting it to p, to q and so on.
 template <int D>
 Gap<D> nearest_gap(const Domain<D>& domain, PolytopeId p, PolytopeId q, const Vec<D>& near);
 

@@ -157,6 +157,12 @@ void are_none_where_sizes_decide() {
 TEST(CostlyFeatures, AreNoneWhereSizesDecideInThePlane) { are_none_where_sizes_decide<2>(); }
 TEST(CostlyFeatures, AreNoneWhereSizesDecideInSpace) { are_none_where_sizes_decide<3>(); }
 
+/// Where reference::polytopes lists it.
+template <int D>
+std::size_t index_of(const Domain<D>& domain, PolytopeId p) {
+  return p.index + (p.dimension > 0 ? domain.points.size() : 0) + (p.dimension > 1 ? domain.segments.size() : 0);
+}
+
 /// The definition: a vertex on a polytope of dimension d is due to geometry by 1 - (f / wish)^d.
 template <int D>
 double due_to_geometry(const Meshed<D>& m) {
@@ -174,12 +180,25 @@ void make_up_most_of_what_geometry_asks_for(const std::vector<DomainInput<D>>& i
     for (const std::optional<double> size : {std::optional<double>{}, std::optional<double>{0.2}}) {
       const Meshed<D> m = packed(input, size);
       const double all = due_to_geometry(m);
-      // Those of less than one vertex are left out; beyond 5000 vertices, samples stand for all.
+      // Those of less than one vertex are left out; beyond 3000 vertices, samples stand for all.
       EXPECT_GE(m.listed(), 0.78 * all - 10);
       EXPECT_LE(m.listed(), 1.02 * all + 1e-6);
       EXPECT_LE(m.features.size(), 10U);
+      const auto polytopes = reference::polytopes(m.domain);
       for (std::size_t i = 0; i < m.features.size(); ++i) {
-        EXPECT_GE(m.features[i].vertices, 1);
+        const auto& f = m.features[i];
+        const auto &p = polytopes[index_of(m.domain, f.polytopes[0])],
+                   &q = polytopes[index_of(m.domain, f.polytopes[1])];
+        if (f.kind == Kind<D>::kGap) {
+          EXPECT_NEAR(f.size, reference::distance_between(p, q), 1e-9);
+          EXPECT_NEAR(reference::distance_to(f.place, p), f.size / 2, 1e-9);
+          EXPECT_NEAR(reference::distance_to(f.place, q), f.size / 2, 1e-9);
+        } else if (f.kind == Kind<D>::kAngle) {
+          EXPECT_NEAR(reference::distance_to(f.place, p), 0, 1e-9);
+          EXPECT_NEAR(reference::distance_to(f.place, q), 0, 1e-9);
+          EXPECT_LT(f.angle_deg, 60);
+        }
+        EXPECT_GE(f.vertices, 1);
         if (i > 0) {
           EXPECT_LE(m.features[i].vertices, m.features[i - 1].vertices);
         }
@@ -218,9 +237,6 @@ void causes_are_what_they_claim(const DomainInput<D>& input, double gradation, d
   const Domain<D> domain = build_domain(input);
   const Spacing<D> f = build_spacing(domain, SizeWishes<D>{}, {gradation, factor, 3.3});
   const auto all = reference::polytopes(domain);
-  const auto index = [&](PolytopeId p) {
-    return p.index + (p.dimension > 0 ? domain.points.size() : 0) + (p.dimension > 1 ? domain.segments.size() : 0);
-  };
   const double slope = std::min(gradation, factor), weight = std::max(0.0, 0.5 * (factor - gradation));
   Random random(1);
   for (int i = 0; i < 200; ++i) {
@@ -231,7 +247,7 @@ void causes_are_what_they_claim(const DomainInput<D>& input, double gradation, d
     EXPECT_NEAR(causes.front().value, f(x), 1e-9 * f(x));
     for (std::size_t c = 0; c < causes.size(); ++c) {
       const auto [p, q] = causes[c].polytopes;
-      const auto &first = all[index(p)], &second = all[index(q)];
+      const auto &first = all[index_of(domain, p)], &second = all[index_of(domain, q)];
       const double gap = reference::distance_between(first, second);
       const double away = std::max(reference::distance_to(x, first), reference::distance_to(x, second));
       EXPECT_NEAR(causes[c].size, gap, 1e-9);
