@@ -110,7 +110,7 @@ template <int D>
 void Budget<D>::check_again(const Spacing<D>& f, std::size_t n_boundary) {
   estimate_ = std::max(estimate_, static_cast<double>(n_boundary));
   if (kMostGrowth * estimate_ <= affordable()) return;
-  estimate_ = estimate_sphere_count(domain_, f, options_);
+  estimate_ = std::max(estimate_sphere_count(domain_, f, options_), static_cast<double>(n_boundary));
   if (!(estimate_ <= affordable())) refuse(f, estimate_, "");
 }
 

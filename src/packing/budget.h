@@ -16,8 +16,8 @@ class Budget {
   /// Throws LimitError if f asks for too many vertices, or would after the repairs that small angles are likely to
   /// need.
   void check_ahead(const Spacing<D>& f);
-  /// The same after f shrank in one round, for which `n_boundary` spheres were on the boundary. The estimate costs as
-  /// much as a small mesh, so it is made only if the limit may be within reach.
+  /// The same when f may have shrunk and there are `n_boundary` spheres on the boundary. The estimate costs as much as
+  /// a small mesh, so it is made only if the limit may be within reach.
   void check_again(const Spacing<D>& f, std::size_t n_boundary);
 
  private:

@@ -122,7 +122,7 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
       std::vector<SpacingCap<D>> all_caps = caps;
       all_caps.insert(all_caps.end(), boundary.tied.begin(), boundary.tied.end());
       const Spacing<D> tied = all_caps.empty() ? spacing : spacing.with_caps(all_caps);
-      if (!boundary.tied.empty()) budget.check_again(tied, n_boundary);
+      budget.check_again(tied, n_boundary);
       const PackingProblem<D> problem = interior_problem(domain, tied, boundary, walls, options);
       PackedInterior<D> interior = pack_interior(problem, false, observer);
       if (interior.broken_faces.empty()) {

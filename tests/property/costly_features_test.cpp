@@ -346,6 +346,7 @@ TEST(Budget, IsCheckedAgainWhenRepairsShrinkTheSpacing) {
   const Spacing<3> smaller =
       spacing.with_caps({{{0.5, 0.5, 0.5}, 0.3, 0.005, std::array{PolytopeId(1, 0), PolytopeId(1, 1)}}});
   EXPECT_THROW(budget.check_again(smaller, 100), LimitError);
+  EXPECT_THROW(budget.check_again(spacing, 2001), LimitError) << "so many are there already";
 }
 
 TEST(Budget, NeverRecommendsAnInfiniteLimit) {
