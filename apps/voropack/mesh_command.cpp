@@ -111,6 +111,19 @@ Json options_json(const MeshArguments& arguments, const MeshingOptions<D>& optio
   return json;
 }
 
+/// Nothing where the wished sizes alone decide about most of the mesh.
+template <int D>
+std::string features_text(const MeshingResult<D>& result) {
+  constexpr double kWorthTelling = 0.2;
+  double sum = 0;
+  for (const CostlyFeature<D>& feature : result.costliest_features) sum += feature.vertices;
+  if (sum < kWorthTelling * static_cast<double>(result.mesh.points.size())) return {};
+  std::string text = "Costliest features:\n";
+  for (const CostlyFeature<D>& feature : result.costliest_features)
+    text += "  " + describe(feature, result.domain) + '\n';
+  return text + '\n';
+}
+
 template <int D>
 std::string summary(const MeshArguments& arguments, const MeshingResult<D>& result) {
   const Domain<D>& domain = result.domain;
@@ -122,6 +135,7 @@ std::string summary(const MeshArguments& arguments, const MeshingResult<D>& resu
   if (!result.repairs.empty())
     text += fmt::format("The spacing was reduced in {} places to keep protecting balls empty.\n\n",
                         grouped(result.repairs.size()));
+  text += features_text(result);
   text += certificate_table(result.certificate);
   for (const fs::path& output : arguments.outputs) text += "mesh:  " + output.string() + '\n';
   if (arguments.cells) text += "cells: " + arguments.cells->string() + '\n';
@@ -143,6 +157,7 @@ ExitCode mesh_domain(const DomainInput<D>& input, const MeshArguments& arguments
   report.packing = PackingFigures{.repairs = result.repairs.size(), .repair_rounds = result.repair_rounds};
   if (result.spacing_integral > 0)
     report.packing->size_ratio = static_cast<double>(result.mesh.points.size()) / result.spacing_integral;
+  report.costliest_features = features_json(result.costliest_features, result.domain);
   report.times = result.times;
   report.times["read"] = read_times["read"];
 

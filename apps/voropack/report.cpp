@@ -117,6 +117,18 @@ Json timing_json(const StageTimes& times) {
   return json;
 }
 
+template <int D>
+Json polytope_json(PolytopeId p, const Domain<D>& domain) {
+  if (p.dimension == 0) {
+    Json json = {{"dimension", 0}, {"position", domain.points[PointId(p.index)].coord}};
+    if (const int marker = domain.point_marker[PointId(p.index)]; marker != 0) json["marker"] = marker;
+    return json;
+  }
+  const int marker =
+      p.dimension == 1 ? domain.segment_marker[SegmentId(p.index)] : domain.facet_marker[FacetId(p.index)];
+  return {{"dimension", p.dimension + 0U}, {"marker", marker}};
+}
+
 std::uint64_t peak_memory_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -133,6 +145,31 @@ InputFile describe_file(const std::filesystem::path& path, std::optional<int> di
   return input;
 }
 
+template <int D>
+Json features_json(const std::vector<CostlyFeature<D>>& features, const Domain<D>& domain) {
+  using Kind = typename CostlyFeature<D>::Kind;
+  Json list = Json::array();
+  for (const CostlyFeature<D>& feature : features) {
+    Json json = {{"kind", feature.kind == Kind::kGap ? "gap" : feature.kind == Kind::kAngle ? "angle" : "repair"}};
+    json["vertices"] = std::llround(feature.vertices);
+    json["place"] = feature.place.coord;
+    if (feature.kind == Kind::kAngle)
+      set_number(json, "angle_deg", feature.angle_deg);
+    else
+      set_number(json, "size", feature.size);
+    json["polytopes"] = Json::array({polytope_json(feature.polytopes[0], domain)});
+    if (feature.polytopes[1] != feature.polytopes[0])
+      json["polytopes"].push_back(polytope_json(feature.polytopes[1], domain));
+    json["pairs"] = feature.n_pairs;
+    set_number(json, "radius", feature.radius);
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+template Json features_json(const std::vector<CostlyFeature<2>>&, const Domain<2>&);
+template Json features_json(const std::vector<CostlyFeature<3>>&, const Domain<3>&);
+
 Json to_json(const Report& report) {
   Json json;
   json["voropack"] = {{"version", version()}};
@@ -146,6 +183,7 @@ Json to_json(const Report& report) {
     json["packing"] = {{"repairs", report.packing->repairs}, {"repair_rounds", report.packing->repair_rounds}};
     if (report.packing->size_ratio) set_number(json["packing"], "size_ratio", *report.packing->size_ratio);
   }
+  if (report.costliest_features) json["costliest_features"] = *report.costliest_features;
   if (report.certificate) json["certificate"] = certificate_json(*report.certificate);
   json["timing_s"] = timing_json(report.times);
   json["threads"] = report.threads;

@@ -41,6 +41,7 @@ struct Report {
   std::optional<QualityReport> quality;
   std::optional<Certificate> certificate;
   std::optional<PackingFigures> packing;
+  std::optional<Json> costliest_features;
   StageTimes times;
   int threads = 0;
 };
@@ -61,5 +62,9 @@ InputFile describe_domain(const std::filesystem::path& path, const Domain<D>& do
   input.merge = domain.merge;
   return input;
 }
+
+/// What the most vertices are due to, the costliest first.
+template <int D>
+Json features_json(const std::vector<CostlyFeature<D>>& features, const Domain<D>& domain);
 
 }  // namespace voropack::app

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -79,7 +80,8 @@ struct Packing {
 
 /// Packs every polytope of `domain` in ascending dimension, as algorithm PACKING of [Miller1996], section 3.
 ///
-/// Throws: LimitError packing.too_many_vertices with the estimate, before the work.
+/// Throws: LimitError packing.too_many_vertices with the estimate and the costliest features: before the work, or as
+///         soon as a repair shrinks f so far.
 ///         InternalError packing.not_conforming if max_repairs rounds do not empty every protecting ball.
 ///         Cancelled if the observer asks to stop.
 template <int D>
@@ -89,6 +91,43 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
 /// The number of spheres that `pack` will need, within some 20 %, from the integral of f^-D. Cheap.
 template <int D>
 double estimate_sphere_count(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options = {});
+
+/// A place where geometry asks for smaller spheres than the user's sizes do, and what that costs.
+template <int D>
+struct CostlyFeature {
+  enum class Kind : std::uint8_t {
+    kGap,     ///< Two polytopes that do not meet come near to each other.
+    kAngle,   ///< Two polytopes meet at a small angle.
+    kRepair,  ///< f was shrunk to empty a protecting ball for another reason: symmetry, or non-convex facets.
+  };
+  Kind kind;
+  std::array<PolytopeId, 2> polytopes;  ///< The costliest pair; twice the same if only one is known.
+  Vec<D> place;             ///< kGap: between their nearest points. kAngle: the nearest point of where they meet.
+  double size = 0;          ///< kGap: their distance. kRepair: the diameter of the ball. Length; 0 for kAngle.
+  double angle_deg = 0;     ///< kAngle only.
+  double vertices = 0;      ///< How many vertices there are because of it.
+  std::size_t n_pairs = 1;  ///< Pairs of polytopes counted as one feature, because they are near and of like size.
+  double radius = 0;        ///< These pairs lie within this distance of `place`. Length.
+};
+
+/// The features that the most vertices of a packing are due to, at most ten, the costliest first.
+///
+/// `spacing` is the packing's, with the caps of its repairs. A vertex on a polytope of dimension d counts by the part
+/// 1 - (f / f')^d, where f' is what f would be without the feature (docs/theory/spacing.md). Where more than ten pairs
+/// matter, near ones are joined until the ten make up 80 % of all vertices that are due to geometry. Features of less
+/// than one vertex are left out.
+template <int D>
+std::vector<CostlyFeature<D>> costliest_features(const Domain<D>& domain, const Spacing<D>& spacing,
+                                                 const Packing<D>& packing);
+
+/// The same before the work, from the integrals behind `estimate_sphere_count`.
+template <int D>
+std::vector<CostlyFeature<D>> estimate_costliest_features(const Domain<D>& domain, const Spacing<D>& spacing,
+                                                          const PackingOptions& options = {});
+
+/// One line in words: vertices, gap or angle, the polytopes with their markers, the place.
+template <int D>
+std::string describe(const CostlyFeature<D>& feature, const Domain<D>& domain);
 
 /// The first broken invariant in words, or an empty string. O(n log n). For tests.
 template <int D>

@@ -38,7 +38,8 @@ struct MeshingResult {
   Certificate certificate;
   std::vector<SpacingCap<D>> repairs;  ///< Where f had to be shrunk.
   int repair_rounds = 0;
-  double spacing_integral = 0;  ///< Integral of f^-D over the domain.
+  std::vector<CostlyFeature<D>> costliest_features;  ///< What most vertices are due to, beside the wished sizes.
+  double spacing_integral = 0;                       ///< Integral of f^-D over the domain.
   StageTimes times;
 };
 

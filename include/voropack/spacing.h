@@ -1,6 +1,7 @@
 // Stage 2: Domain<D> and wishes -> Spacing<D>: local feature size, user sizes, made Lipschitz exactly.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -56,6 +57,23 @@ struct SpacingCap {
   Vec<D> center;
   double radius;  ///< Length.
   double value;   ///< f <= value in the ball.
+  /// The polytopes that are too near to each other there; twice the same if only one is known.
+  std::optional<std::array<PolytopeId, 2>> between = std::nullopt;
+};
+
+/// One of the functions that geometry makes f the minimum of, at a point: a pair of disjoint polytopes, or a cap.
+struct SpacingCause {
+  double value;                         ///< Of the function, at the point.
+  std::array<PolytopeId, 2> polytopes;  ///< Of a pair: the smaller id first. Of a cap: what is between it.
+  double size;                          ///< Of a pair: its distance. Of a cap: the radius of its ball. Length.
+  bool is_cap;
+};
+
+/// A point that stands for a part of an integral.
+template <int D>
+struct IntegralSample {
+  Vec<D> position;
+  double part;
 };
 
 struct SpacingOptions {
@@ -84,6 +102,13 @@ class Spacing {
   [[nodiscard]] Spacing with_caps(const std::vector<SpacingCap<D>>& caps) const;
   /// The integral of f^-D over the domain, up to some percent: the size that the theory speaks of.
   [[nodiscard]] double integral(const Domain<D>& domain) const;
+  /// The same integral as at most 20 000 samples, whose parts add up to it.
+  [[nodiscard]] std::vector<IntegralSample<D>> integral_samples(const Domain<D>& domain) const;
+  /// What f would be at x without disjoint pairs and caps: what the user's sizes (and the diameter) ask for.
+  [[nodiscard]] double wished(const Vec<D>& x) const;
+  /// What decides f at x if that is less than `wished`, and what comes next up to `reach` times f(x), the smallest
+  /// value first. Of many that come next, those of the nearest polytopes only. By search: tens of microseconds.
+  [[nodiscard]] std::vector<SpacingCause> causes(const Vec<D>& x, double reach) const;
 
  private:
   std::shared_ptr<const Impl> impl_;

@@ -98,7 +98,8 @@ class BoundaryPacker {
     const std::size_t n_tied = result_.tied.size();
     for (const SphereId s : ids(packing().center))
       if (packing().radius[s] < spacing_(packing().center[s]) * (1 - kPackingSlack))
-        result_.tied.push_back({packing().center[s], 0.0, packing().radius[s]});
+        result_.tied.push_back(
+            {packing().center[s], 0.0, packing().radius[s], std::array{packing().carrier[s], packing().carrier[s]}});
     if (result_.tied.size() == n_tied) return;
     spacing_ = given_.with_caps(result_.tied);
     parallel_for(packing().center.size(),
@@ -407,7 +408,8 @@ class BoundaryPacker {
     for (std::size_t i = 0; i < set.size(); ++i) {
       if (partner[i] == BlockGrid<D>::kEnd) continue;
       const Ball<D>&p = set[i], &q = set[partner[i]];
-      result_.faults.push_back(repair_cap(0.5 * (p.center + q.center), p.radius + q.radius, spacing_));
+      result_.faults.push_back(repair_cap(0.5 * (p.center + q.center), p.radius + q.radius, spacing_,
+                                          packing().carrier[SphereId(i)], packing().carrier[SphereId(partner[i])]));
     }
   }
 

@@ -30,10 +30,10 @@ BoundaryPacking<D> pack_boundary(const Spacing<D>& spacing, Protection<D>& prote
 /// How much f shrinks where a protecting ball is not empty.
 inline constexpr double kRepairFactor = 0.7;
 
-/// A cap on f around a place where something is wrong.
+/// A cap on f around a place where something is wrong with p and q; they are the same if only one is known.
 template <int D>
-SpacingCap<D> repair_cap(const Vec<D>& center, double radius, const Spacing<D>& spacing) {
-  return {center, 2 * radius, kRepairFactor * spacing(center)};
+SpacingCap<D> repair_cap(const Vec<D>& center, double radius, const Spacing<D>& spacing, PolytopeId p, PolytopeId q) {
+  return {center, 2 * radius, kRepairFactor * spacing(center), std::array{p, q}};
 }
 
 }  // namespace voropack

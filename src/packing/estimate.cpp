@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "packing/attribution.h"
 #include "voropack/packing.h"
 
 namespace voropack {
@@ -71,9 +72,9 @@ std::array<Piece<D, M>, 2> halves(const Piece<D, M>& piece) {
   return result;
 }
 
-/// The integral of f^-M over all pieces, which are cut in halves where they contribute most to the error.
+/// All pieces with their integrals of f^-M, cut in halves where they contribute most to the error of the sum.
 template <int D, int M>
-double integrate(std::vector<Piece<D, M>> pieces, const Spacing<D>& f) {
+std::vector<Piece<D, M>> integrate(std::vector<Piece<D, M>> pieces, const Spacing<D>& f) {
   std::size_t n_old = 0;  // Pieces from here on are new.
   for (;;) {
     parallel_for(
@@ -85,7 +86,7 @@ double integrate(std::vector<Piece<D, M>> pieces, const Spacing<D>& f) {
       largest = std::max(largest, piece.error);
     }
     const bool is_fine = pieces.size() >= kMinPieces && error <= kAccuracy * integral;
-    if (largest == 0 || is_fine || pieces.size() >= kMaxPieces) return integral;
+    if (largest == 0 || is_fine || pieces.size() >= kMaxPieces) return pieces;
     const double threshold = pieces.size() < kMinPieces ? 0.0 : kCutFraction * largest;
     std::vector<Piece<D, M>> kept, cut;
     for (const Piece<D, M>& piece : pieces) {
@@ -102,18 +103,28 @@ double integrate(std::vector<Piece<D, M>> pieces, const Spacing<D>& f) {
 }
 
 template <int D>
-double segments_integral(const Domain<D>& domain, const Spacing<D>& f) {
+std::vector<Piece<D, 1>> integrate_over_segments(const Domain<D>& domain, const Spacing<D>& f) {
   std::vector<Piece<D, 1>> pieces;
   for (const auto& s : domain.segments) pieces.push_back({{domain.points[s[0]], domain.points[s[1]]}});
   return integrate(std::move(pieces), f);
 }
 
-double facets_integral(const Domain<3>& domain, const Spacing<3>& f) {
+std::vector<Piece<3, 2>> integrate_over_facets(const Domain<3>& domain, const Spacing<3>& f) {
   std::vector<Piece<3, 2>> pieces;
   for (const FacetId facet : ids(domain.facet_frame))
     for (const auto& t : domain.facet_triangles[facet])
       pieces.push_back({{domain.points[t[0]], domain.points[t[1]], domain.points[t[2]]}});
   return integrate(std::move(pieces), f);
+}
+
+/// Each piece by its center.
+template <int D, int M>
+void append(std::vector<CountedPoint<D>>& points, const std::vector<Piece<D, M>>& pieces, double weight) {
+  for (const Piece<D, M>& piece : pieces) {
+    Vec<D> center;
+    for (const Vec<D>& x : piece.corner) center += x / (M + 1.0);
+    points.push_back({center, M, weight * piece.integral});
+  }
 }
 
 /// Vertices per point and per unit of the integrals of 1 / f over segments, f^-2 over facets and f^-D over regions.
@@ -135,16 +146,38 @@ Weights weights_of(const PackingOptions& options) {
 }  // namespace
 
 template <int D>
-double estimate_sphere_count(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options) {
+std::vector<CountedPoint<D>> estimated_points(const Domain<D>& domain, const Spacing<D>& spacing,
+                                              const PackingOptions& options) {
   const Weights w = weights_of<D>(options);
-  const auto n_points = static_cast<double>(domain.points.size());
-  double count =
-      w.points * n_points + w.segments * segments_integral(domain, spacing) + w.regions * spacing.integral(domain);
-  if constexpr (D == 3) count += w.facets * facets_integral(domain, spacing);
-  return std::max(n_points, count);
+  std::vector<CountedPoint<D>> points;
+  for (const Vec<D>& x : domain.points) points.push_back({x, 0, w.points});
+  append(points, integrate_over_segments(domain, spacing), w.segments);
+  if constexpr (D == 3) append(points, integrate_over_facets(domain, spacing), w.facets);
+  for (const IntegralSample<D>& sample : spacing.integral_samples(domain))
+    points.push_back({sample.position, D, w.regions * sample.part});
+  return points;
 }
 
-template double estimate_sphere_count(const Domain<2>&, const Spacing<2>&, const PackingOptions&);
-template double estimate_sphere_count(const Domain<3>&, const Spacing<3>&, const PackingOptions&);
+template <int D>
+double estimate_sphere_count(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options) {
+  double count = 0;
+  for (const CountedPoint<D>& p : estimated_points(domain, spacing, options)) count += p.count;
+  return std::max(static_cast<double>(domain.points.size()), count);
+}
+
+template <int D>
+std::vector<CostlyFeature<D>> estimate_costliest_features(const Domain<D>& domain, const Spacing<D>& spacing,
+                                                          const PackingOptions& options) {
+  return attribute(domain, spacing, estimated_points(domain, spacing, options));
+}
+
+#define VOROPACK_INSTANTIATE(D)                                                                                       \
+  template std::vector<CountedPoint<D>> estimated_points(const Domain<D>&, const Spacing<D>&, const PackingOptions&); \
+  template double estimate_sphere_count(const Domain<D>&, const Spacing<D>&, const PackingOptions&);                  \
+  template std::vector<CostlyFeature<D>> estimate_costliest_features(const Domain<D>&, const Spacing<D>&,             \
+                                                                     const PackingOptions&);
+VOROPACK_INSTANTIATE(2)
+VOROPACK_INSTANTIATE(3)
+#undef VOROPACK_INSTANTIATE
 
 }  // namespace voropack

@@ -94,7 +94,8 @@ PackedFacet pack_facet(const Domain<3>& domain, const Incidence<3>& incidence, F
   PackedInterior<2> packed = pack_interior(problem, true, observer);
   for (const std::uint32_t i : packed.broken_faces) {
     const Ball<2>& ball = problem.balls[i];
-    result.faults.push_back(repair_cap(frame.from_plane(ball.center), ball.radius, spacing));
+    result.faults.push_back(
+        repair_cap(frame.from_plane(ball.center), ball.radius, spacing, PolytopeId(facet), PolytopeId(facet)));
   }
   for (const Ball<2>& s : packed.spheres) {
     result.centers.push_back(frame.from_plane(s.center));

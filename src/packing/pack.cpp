@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include "base/random.h"
 #include "geom/circumcenter.h"
 #include "packing/boundary.h"
+#include "packing/budget.h"
 #include "packing/incidence.h"
 #include "packing/stretched.h"
 #include "spheres/pack_interior.h"
@@ -16,10 +16,6 @@
 namespace voropack {
 
 namespace {
-
-/// Peak memory of the whole pipeline per vertex in bytes, measured (docs/theory/packing.md).
-template <int D>
-constexpr double kBytesPerVertex = D == 3 ? 1200 : 500;
 
 /// So often f shrinks around stretched simplices; then they stay, and the certificate names them.
 constexpr int kStretchedRounds = 8;
@@ -86,6 +82,14 @@ void append_interior(Packing<D>& packing, PackedInterior<D>&& interior) {
   packing.triangulation_s = interior.triangulation_s;
 }
 
+/// Has caps name facets in place of traces.
+template <int D>
+void name_given(std::vector<SpacingCap<D>>& caps, const Incidence<D>& incidence) {
+  for (SpacingCap<D>& cap : caps)
+    if (cap.between)
+      for (PolytopeId& p : *cap.between) p = incidence.given(p);
+}
+
 /// What is on traces is on their facets; they were a means only.
 template <int D>
 void drop_traces(Packing<D>& packing, const Incidence<D>& incidence) {
@@ -137,44 +141,32 @@ void add_caps(std::vector<SpacingCap<D>>& caps, std::vector<SpacingCap<D>> more,
   caps.insert(caps.end(), added.begin(), added.end());
 }
 
-template <int D>
-void check_limits(double estimate, const PackingOptions& options) {
-  if (estimate > static_cast<double>(options.max_vertices))
-    throw LimitError(Fault{
-        .id = "packing.too_many_vertices",
-        .message =
-            fmt::format("the mesh would have about {:.3g} vertices; the limit is {}", estimate, options.max_vertices),
-        .fix = fmt::format("ask for larger sizes, or raise --max-vertices to {:.2g}", 1.3 * estimate)});
-  const double needed = estimate * kBytesPerVertex<D>;
-  const double available = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  if (available > 0 && needed > available)
-    throw LimitError(
-        Fault{.id = "packing.too_little_memory",
-              .message = fmt::format("the mesh would have about {:.3g} vertices and need {:.3g} GB of memory; the "
-                                     "machine has {:.3g} GB",
-                                     estimate, needed / 1e9, available / 1e9),
-              .fix = "ask for larger sizes, or use a machine with more memory"});
-}
-
 }  // namespace
 
 template <int D>
 Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options, Observer& observer) {
   observer.begin_stage("packing");
-  check_limits<D>(estimate_sphere_count(domain, spacing, options), options);
+  Budget<D> budget(domain, options);
+  budget.check_ahead(spacing);
   const WallLocator<D> walls = locator_of(domain);
   std::vector<SpacingCap<D>> caps;
   Protection<D> protection(domain);
+  std::size_t n_boundary = 0;
   int n_stretched = 0;
   for (int round = 0; round <= options.max_repairs; ++round) {
     observer.check_cancelled();
     const Spacing<D> f = caps.empty() ? spacing : spacing.with_caps(caps);
+    if (round > 0) budget.check_again(f, n_boundary);
     protection.add_traces(f);
     BoundaryPacking<D> boundary = pack_boundary(f, protection, options, observer);
+    n_boundary = boundary.packing.center.size();
+    name_given(boundary.faults, protection.incidence);
+    name_given(boundary.tied, protection.incidence);
     if (boundary.faults.empty() && !boundary.protects_more) {
       std::vector<SpacingCap<D>> all_caps = caps;
       all_caps.insert(all_caps.end(), boundary.tied.begin(), boundary.tied.end());
       const Spacing<D> tied = all_caps.empty() ? spacing : spacing.with_caps(all_caps);
+      budget.check_again(tied, n_boundary);
       const PackingProblem<D> problem = interior_problem(domain, tied, boundary, walls, options);
       PackedInterior<D> interior = pack_interior(problem, false, observer);
       if (interior.broken_faces.empty()) {
@@ -191,8 +183,10 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
                       [&](const SpacingCap<D>& cap) { return protection.narrow_corners(cap.center, cap.radius, f); });
       }
       const std::size_t first = boundary.balls.size() - problem.faces.size();
+      const auto& walls_of_balls = wall_simplices(boundary.packing);
       for (const std::uint32_t i : interior.broken_faces)
-        boundary.faults.push_back(repair_cap(boundary.balls[first + i].center, boundary.balls[first + i].radius, f));
+        boundary.faults.push_back(repair_cap(boundary.balls[first + i].center, boundary.balls[first + i].radius, f,
+                                             walls_of_balls[i].carrier, walls_of_balls[i].carrier));
     }
     observer.log(LogLevel::kInfo,
                  fmt::format("round {}: f shrinks at {} places; {} fans, {} books and {} corners are protected",

@@ -90,7 +90,8 @@ double Protection<D>::clear_radius(const Intrusion<D>& it) const {
 template <int D>
 auto Protection<D>::shrink(const Intrusion<D>& it, double wanted, const Spacing<D>& spacing) -> Cap {
   const double factor = std::clamp(0.9 * wanted / it.ball.radius, kMostShrink, kLeastShrink);
-  return SpacingCap<D>{it.ball.center, it.ball.radius, factor * spacing(it.ball.center)};
+  return SpacingCap<D>{it.ball.center, it.ball.radius, factor * spacing(it.ball.center),
+                       std::array{it.carrier, it.ball_carrier}};
 }
 
 template <int D>

@@ -60,6 +60,7 @@ MeshingResult<D> make_mesh(const DomainInput<D>& input, const MeshingOptions<D>&
     result.repairs = packing.repairs;
     result.repair_rounds = packing.repair_rounds;
     if (!result.repairs.empty()) spacing = spacing.with_caps(result.repairs);
+    result.costliest_features = timed("packing", [&] { return costliest_features(result.domain, spacing, packing); });
 
     // 4. The mesh of their centers.
     result.mesh = timed("delaunay", [&] { return triangulate(result.domain, std::move(packing), observer); });

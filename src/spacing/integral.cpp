@@ -27,6 +27,7 @@ struct DensityCell {
   double integral = 0;  // Over the part of the cell in the domain.
   double volume = 0;    // Of that part.
   double error = 0;     // Standard deviation of `integral`, roughly.
+  Vec<D> sample;        // A point of the cell that is in the domain, drawn by its density; if integral > 0.
 };
 
 template <int D>
@@ -62,6 +63,7 @@ void examine(DensityCell<D>& cell, std::uint64_t key, const RegionLocator<D>& lo
   if (!is_mixed && constant) {
     cell.volume = volume;
     cell.integral = volume / std::pow(*constant, D);
+    cell.sample = center;
     return;
   }
   const int n = sample_count<D>();
@@ -75,6 +77,7 @@ void examine(DensityCell<D>& cell, std::uint64_t key, const RegionLocator<D>& lo
     ++n_inside;
     sum += density;
     sum_sq += density * density;
+    if (to_unit(hash_words(key, i, D)) * sum < density) cell.sample = x;
   }
   cell.volume = volume * n_inside / n;
   cell.integral = volume * sum / n;
@@ -94,24 +97,37 @@ std::array<Box<D>, 2> halves(const Box<D>& box) {
   return result;
 }
 
-}  // namespace
+/// The cells of the sum, with the factor that scales the sampled volume to the true one.
+template <int D>
+struct DensityCells {
+  std::vector<DensityCell<D>> cells;
+  double scale = 1;
+};
 
 template <int D>
-double integrate_density(const Domain<D>& domain, const RegionLocator<D>& locator, const Spacing<D>& f) {
+double measure_of(const Domain<D>& domain) {
   double measure = 0;
-  for (double m : domain.region_measure) measure += m;
-  if (const auto constant = f.constant_on(domain.box)) return measure / std::pow(*constant, D);
+  for (const double m : domain.region_measure) measure += m;
+  return measure;
+}
 
+/// One cell that stands for the whole domain.
+template <int D>
+DensityCells<D> single_cell(const Domain<D>& domain, double f) {
+  const double measure = measure_of(domain);
+  return {{{domain.box, measure / std::pow(f, D), measure, 0, domain.box.center()}}, 1};
+}
+
+template <int D>
+DensityCells<D> cut_into_cells(const Domain<D>& domain, const RegionLocator<D>& locator, const Spacing<D>& f) {
+  if (const auto constant = f.constant_on(domain.box)) return single_cell(domain, *constant);
   std::vector<DensityCell<D>> cells(1);
   cells[0].box = domain.box;
   std::size_t n_old = 0;  // Cells from here on are new.
   for (std::uint64_t round = 0;; ++round) {
     parallel_for(
         cells.size() - n_old, [&](std::size_t i) { examine(cells[n_old + i], hash_words(round, i), locator, f); }, 16);
-    double integral = 0;
-    double volume = 0;
-    double error_sq = 0;
-    double largest = 0;
+    double integral = 0, volume = 0, error_sq = 0, largest = 0;
     for (const DensityCell<D>& cell : cells) {
       integral += cell.integral;
       volume += cell.volume;
@@ -119,8 +135,10 @@ double integrate_density(const Domain<D>& domain, const RegionLocator<D>& locato
       largest = std::max(largest, cell.error);
     }
     const bool is_fine = cells.size() >= kMinCells && std::sqrt(error_sq) <= kAccuracy * integral;
-    if (largest == 0 || is_fine || cells.size() >= kMaxCells)
-      return volume > 0 ? integral * (measure / volume) : measure / std::pow(f(domain.box.center()), D);
+    if (largest == 0 || is_fine || cells.size() >= kMaxCells) {
+      if (!(volume > 0)) return single_cell(domain, f(domain.box.center()));
+      return {std::move(cells), measure_of(domain) / volume};
+    }
     const double threshold = cells.size() < kMinCells ? 0.0 : kCutFraction * largest;
     std::vector<DensityCell<D>> kept;
     std::vector<DensityCell<D>> cut;
@@ -129,7 +147,7 @@ double integrate_density(const Domain<D>& domain, const RegionLocator<D>& locato
         kept.push_back(cell);
         continue;
       }
-      for (const Box<D>& half : halves(cell.box)) cut.push_back({half, 0, 0, 0});
+      for (const Box<D>& half : halves(cell.box)) cut.push_back({half, 0, 0, 0, {}});
     }
     n_old = kept.size();
     kept.insert(kept.end(), cut.begin(), cut.end());
@@ -137,7 +155,30 @@ double integrate_density(const Domain<D>& domain, const RegionLocator<D>& locato
   }
 }
 
+}  // namespace
+
+template <int D>
+double integrate_density(const Domain<D>& domain, const RegionLocator<D>& locator, const Spacing<D>& f) {
+  const DensityCells<D> all = cut_into_cells(domain, locator, f);
+  double integral = 0;
+  for (const DensityCell<D>& cell : all.cells) integral += cell.integral;
+  return integral * all.scale;
+}
+
+template <int D>
+std::vector<IntegralSample<D>> sample_density(const Domain<D>& domain, const RegionLocator<D>& locator,
+                                              const Spacing<D>& f) {
+  const DensityCells<D> all = cut_into_cells(domain, locator, f);
+  std::vector<IntegralSample<D>> samples;
+  for (const DensityCell<D>& cell : all.cells)
+    if (cell.integral > 0) samples.push_back({cell.sample, cell.integral * all.scale});
+  return samples;
+}
+
 template double integrate_density<2>(const Domain<2>&, const RegionLocator<2>&, const Spacing<2>&);
 template double integrate_density<3>(const Domain<3>&, const RegionLocator<3>&, const Spacing<3>&);
+
+template std::vector<IntegralSample<2>> sample_density<2>(const Domain<2>&, const RegionLocator<2>&, const Spacing<2>&);
+template std::vector<IntegralSample<3>> sample_density<3>(const Domain<3>&, const RegionLocator<3>&, const Spacing<3>&);
 
 }  // namespace voropack

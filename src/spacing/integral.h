@@ -14,4 +14,9 @@ namespace voropack {
 template <int D>
 double integrate_density(const Domain<D>& domain, const RegionLocator<D>& locator, const Spacing<D>& f);
 
+/// The same integral as samples whose parts add up to it: in each cell one point of the domain, drawn by its density.
+template <int D>
+std::vector<IntegralSample<D>> sample_density(const Domain<D>& domain, const RegionLocator<D>& locator,
+                                              const Spacing<D>& f);
+
 }  // namespace voropack

@@ -120,6 +120,42 @@ PairSearch search_pairs(const PolytopeSet<D>& polytopes, const PairTable<D>* tab
   return {best, met.size()};
 }
 
+template <int D>
+std::vector<PairAt> pairs_below(const PolytopeSet<D>& polytopes, const PairTable<D>* table, PairWeights weights,
+                                const Vec<D>& x, double limit, std::size_t max_met) {
+  std::vector<PairAt> result;
+  std::vector<std::uint32_t> met;  // Nearest first.
+  const auto is_met = [&](std::uint32_t p) { return std::find(met.begin(), met.end(), p) != met.end(); };
+  NearestFirst<D> nearest(polytopes, table, weights.slope, x);
+  std::uint32_t item = 0;
+  double distance = 0;
+  while (met.size() < max_met && nearest.next(limit, item, distance)) {
+    const double reach = weights.slope * distance;
+    const std::uint32_t p = polytopes.item_owner(item);
+    if (is_met(p)) continue;
+    if (table != nullptr) {
+      for (const auto& partner : (*table)[p]) {
+        if (!(reach + partner.gap < limit)) break;
+        if (is_met(partner.polytope))
+          result.push_back({reach + partner.gap, partner.gap / weights.gap, p, partner.polytope});
+      }
+    } else {
+      for (const std::uint32_t q : met) {
+        if (reach + weights.gap * box_distance(polytopes.box(p), polytopes.box(q)) >= limit) continue;
+        if (!polytopes.is_maximal_pair(p, q)) continue;
+        const double gap = polytopes.distance_between(p, q);
+        if (reach + weights.gap * gap < limit) result.push_back({reach + weights.gap * gap, gap, p, q});
+      }
+    }
+    met.push_back(p);
+  }
+  return result;
+}
+
+template std::vector<PairAt> pairs_below<2>(const PolytopeSet<2>&, const PairTable<2>*, PairWeights, const Vec<2>&,
+                                            double, std::size_t);
+template std::vector<PairAt> pairs_below<3>(const PolytopeSet<3>&, const PairTable<3>*, PairWeights, const Vec<3>&,
+                                            double, std::size_t);
 template PairSearch search_pairs<2>(const PolytopeSet<2>&, const PairTable<2>*, PairWeights, const Vec<2>&, double,
                                     std::size_t);
 template PairSearch search_pairs<3>(const PolytopeSet<3>&, const PairTable<3>*, PairWeights, const Vec<3>&, double,

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "spacing/pair_table.h"
 #include "spacing/polytope_set.h"
@@ -18,5 +20,16 @@ struct PairSearch {
 template <int D>
 PairSearch search_pairs(const PolytopeSet<D>& polytopes, const PairTable<D>* table, PairWeights weights,
                         const Vec<D>& x, double bound, std::size_t max_met);
+
+struct PairAt {
+  double value;  ///< What the pair contributes at x.
+  double gap;    ///< Its distance. Length.
+  std::uint32_t p, q;
+};
+
+/// All pairs that contribute less than `limit` at x, among the `max_met` nearest polytopes. In no particular order.
+template <int D>
+std::vector<PairAt> pairs_below(const PolytopeSet<D>& polytopes, const PairTable<D>* table, PairWeights weights,
+                                const Vec<D>& x, double limit, std::size_t max_met);
 
 }  // namespace voropack

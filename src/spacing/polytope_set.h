@@ -37,6 +37,12 @@ class PolytopeSet {
   [[nodiscard]] bool is_facet(std::uint32_t polytope) const { return polytope >= n_points_ + n_segments_; }
   [[nodiscard]] FacetId facet(std::uint32_t polytope) const { return FacetId(polytope - n_points_ - n_segments_); }
 
+  [[nodiscard]] PolytopeId id_of(std::uint32_t polytope) const {
+    if (polytope < n_points_) return PolytopeId(0, polytope);
+    if (polytope < n_points_ + n_segments_) return PolytopeId(1, polytope - n_points_);
+    return PolytopeId(2, polytope - n_points_ - n_segments_);
+  }
+
   /// Items of polytope p: first_item(p) .. first_item(p + 1) - 1.
   [[nodiscard]] std::uint32_t first_item(std::uint32_t p) const { return item_begin_[p]; }
   [[nodiscard]] std::uint32_t item_owner(std::uint32_t item) const { return item_owner_[item]; }

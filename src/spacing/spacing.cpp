@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "spacing/integral.h"
 #include "spacing/spacing_sources.h"
@@ -74,6 +75,53 @@ Spacing<D> Spacing<D>::with_caps(const std::vector<SpacingCap<D>>& caps) const {
 template <int D>
 double Spacing<D>::integral(const Domain<D>& domain) const {
   return integrate_density(domain, impl_->sources->locator, *this);
+}
+
+template <int D>
+std::vector<IntegralSample<D>> Spacing<D>::integral_samples(const Domain<D>& domain) const {
+  return sample_density(domain, impl_->sources->locator, *this);
+}
+
+template <int D>
+double Spacing<D>::wished(const Vec<D>& x) const {
+  return impl_->sources->sizes.minimum(x, impl_->sources->constant);
+}
+
+template <int D>
+std::vector<SpacingCause> Spacing<D>::causes(const Vec<D>& x, double reach) const {
+  // The pair that decides has to be found wherever it is; of those that come next, the nearest are enough.
+  constexpr std::size_t kMaxMet = 64, kAll = std::numeric_limits<std::size_t>::max();
+  constexpr double kRounding = 1 + 1e-9;  // The tree and the search round distances differently.
+  const SpacingSources<D>& sources = *impl_->sources;
+  const double value = (*this)(x), wish = wished(x);
+  std::vector<SpacingCause> result;
+  if (!(value * kRounding < wish)) return result;
+  const double limit = std::min(wish, reach * value);
+  const PairTable<D>* const table = sources.table.is_built() ? &sources.table : nullptr;
+  const auto find_pairs = [&](double below, std::size_t max_met) {
+    return pairs_below(sources.polytopes, table, sources.weights, x, below, max_met);
+  };
+  std::vector<PairAt> pairs = find_pairs(limit, kMaxMet);
+  const auto decides = [&](const PairAt& pair) { return pair.value <= value * kRounding; };
+  if (std::none_of(pairs.begin(), pairs.end(), decides))
+    for (const PairAt& pair : find_pairs(value * kRounding, kAll)) pairs.push_back(pair);
+  for (const PairAt& pair : pairs)
+    result.push_back(
+        {pair.value,
+         {sources.polytopes.id_of(std::min(pair.p, pair.q)), sources.polytopes.id_of(std::max(pair.p, pair.q))},
+         pair.gap,
+         false});
+  const Impl& f = *impl_;
+  f.cap_tree.minimize(x, f.options.gradation, limit, [&](std::uint32_t i) {
+    const SpacingCap<D>& cap = f.caps[i];
+    const double at = f.cap_at(i, x);
+    if (cap.between && at < limit) result.push_back({at, *cap.between, cap.radius, true});
+    return limit;  // All of them are wanted.
+  });
+  std::sort(result.begin(), result.end(), [](const SpacingCause& a, const SpacingCause& b) {
+    return std::tuple(a.value, a.polytopes, a.is_cap) < std::tuple(b.value, b.polytopes, b.is_cap);
+  });
+  return result;
 }
 
 template <int D>

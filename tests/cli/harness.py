@@ -30,6 +30,18 @@ def box_poly(lo=(0, 0, 0), hi=(1, 1, 1)):
     return "\n".join(lines + ["0", "0", ""])
 
 
+def box_with_plates_poly(heights):
+    """The unit cube with square plates inside, one at each height; their markers are 7, 8, ..."""
+    lines = box_poly().split("\n")
+    points, facets = lines[1:9], lines[10:22]
+    for marker, z in enumerate(heights, 7):
+        n = len(points)
+        for i, (x, y) in enumerate([(0.3, 0.3), (0.7, 0.3), (0.7, 0.7), (0.3, 0.7)], n + 1):
+            points.append(f"{i} {x} {y} {z}")
+        facets += [f"1 0 {marker}", "4 " + " ".join(str(i) for i in range(n + 1, n + 5))]
+    return "\n".join([f"{len(points)} 3 0 0", *points, f"{len(facets) // 2} 1", *facets, "0", "0", ""])
+
+
 def two_boxes_poly():
     """The box [0,2] x [0,1] x [0,1] cut at x = 1: regions 1 and 2."""
     corners = [(x, y, z) for x in (0, 1, 2) for y in (0, 1) for z in (0, 1)]

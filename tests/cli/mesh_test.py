@@ -1,7 +1,8 @@
 """Domains to certified meshes, end to end."""
+import re
 import unittest
 
-from harness import SOURCE, CommandLineTest, box_poly, read_table, square_poly, two_boxes_poly
+from harness import SOURCE, CommandLineTest, box_poly, box_with_plates_poly, read_table, square_poly, two_boxes_poly
 
 
 class Mesh(CommandLineTest):
@@ -117,6 +118,51 @@ class Mesh(CommandLineTest):
         steep = self.mesh(square_poly(), "--size", "0.3", "--marker-size", "1=0.03", "--gradation", "0.3")
         gentle = self.mesh(square_poly(), "--size", "0.3", "--marker-size", "1=0.03", "--gradation", "0.05")
         self.assertGreater(gentle["counts"]["vertices"], 1.5 * steep["counts"]["vertices"])
+
+    def test_costliest_features_name_a_thin_place(self):
+        without = self.mesh(box_with_plates_poly([0.5]))["counts"]["vertices"]
+        report = self.mesh(box_with_plates_poly([0.5, 0.52]))
+        slit = report["costliest_features"][0]
+        self.assertEqual(slit["kind"], "gap")
+        self.assertAlmostEqual(slit["size"], 0.02)
+        self.assertAlmostEqual(slit["place"][2], 0.51)
+        self.assertEqual(slit["polytopes"], [{"dimension": 2, "marker": 7}, {"dimension": 2, "marker": 8}])
+        beyond = report["counts"]["vertices"] - without
+        self.assertGreater(slit["vertices"], 0.8 * beyond)
+        self.assertLess(slit["vertices"], 1.1 * beyond)
+        counts = [feature["vertices"] for feature in report["costliest_features"]]
+        self.assertEqual(counts, sorted(counts, reverse=True))
+        self.assertLessEqual(len(counts), 10)
+        self.assertLessEqual(sum(counts), report["counts"]["vertices"])
+
+    def test_costliest_features_are_shown_where_they_matter(self):
+        self.write("plates.poly", box_with_plates_poly([0.5, 0.52]))
+        text = self.succeed("mesh", "plates.poly", "-o", "a.vtu").stdout
+        self.assertIn("a facet of marker 7 and a facet of marker 8 are 0.02 apart near (", text)
+        self.assertEqual(self.mesh(box_poly(), "--size", "0.3")["costliest_features"], [])
+        self.write("box.poly", box_poly())
+        text = self.succeed("mesh", "box.poly", "-o", "a.vtu", "--size", "0.3").stdout
+        self.assertNotIn("Costliest features", text)
+
+    def test_too_many_vertices_name_the_same_features(self):
+        self.write("plates.poly", box_with_plates_poly([0.5, 0.52]))
+        result = self.fail_with(3, "mesh", "plates.poly", "-o", "b.vtu", "--max-vertices", "500",
+                                words=["packing.too_many_vertices", "the limit is 500", "raise --max-vertices to "])
+        self.assertNotIn("b.vtu", self.names())
+        first = result.stderr.split("Costliest features:\n")[1].split("\n")[0]
+        self.assertIn("a facet of marker 7 and a facet of marker 8 are 0.02 apart near (", first)
+        enough = int(re.search(r"raise --max-vertices to (\d+)", result.stderr).group(1))
+        foretold = int(first.split()[0])
+        report = self.mesh(box_with_plates_poly([0.5, 0.52]), "--max-vertices", str(enough))
+        counted = report["costliest_features"][0]["vertices"]
+        self.assertGreater(foretold, 0.5 * counted)
+        self.assertLess(foretold, 2 * counted)
+
+    def test_limits_that_cannot_be_met_recommend_no_infinite_one(self):
+        self.write("box.poly", box_poly())
+        for size in ["1e-6", "1e-150"]:
+            result = self.fail_with(3, "mesh", "box.poly", "-o", "b.vtu", "--size", size, words="ask for larger sizes")
+            self.assertNotIn("inf", result.stderr.lower())
 
     def test_examples(self):
         for domain in sorted((SOURCE / "examples/domains").glob("*.poly")):

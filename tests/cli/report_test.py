@@ -25,7 +25,8 @@ class Report(CommandLineTest):
     def test_of_a_3d_mesh(self):
         report = self.mesh("two.poly", two_boxes_poly(), "--size", "0.4", "--seed", "5", "--threads", "2")
         self.assertEqual(set(report), {"voropack", "command", "options", "input", "counts", "regions", "quality", "dual",
-                                       "packing", "certificate", "timing_s", "threads", "peak_memory_bytes"})
+                                       "packing", "costliest_features", "certificate", "timing_s", "threads",
+                                       "peak_memory_bytes"})
         self.assert_numbers(report)
         self.assertEqual(report["command"], "mesh")
         self.assertEqual(report["threads"], 2)

@@ -20,12 +20,22 @@ Spacing<D> constant_spacing(const Domain<D>& domain, double f) {
   return build_spacing(domain, wishes);
 }
 
+/// Makes books of all pages of every segment.
+void bind_all(Protection<3>& protection) {
+  for (const SegmentId s : ids(protection.domain().segments)) {
+    const auto pages = protection.incidence.pages_of(s);
+    for (std::size_t i = 1; i < pages.size(); ++i) protection.books.join(s, pages[0], pages[i]);
+  }
+}
+
 /// All zones of a facet's segments, each with all pages of its segment.
-std::vector<BookZone> zones_of(const Domain<3>& domain, const Protection<3>& protection, FacetId facet) {
+std::vector<BookZone> zones_of(const Protection<3>& protection, FacetId facet) {
+  const Domain<3>& domain = protection.domain();
+  const Spacing<3> spacing = constant_spacing<3>(domain, 0.02);
   std::vector<BookZone> zones;
   for (const SegmentId s : domain.facet_segments[facet]) {
     const auto pages = protection.incidence.pages_of(s);
-    zones.emplace_back(domain, protection, s, std::vector<Page>(pages.begin(), pages.end()));
+    zones.emplace_back(domain, protection, spacing, s, std::vector<Page>(pages.begin(), pages.end()));
   }
   return zones;
 }
@@ -52,9 +62,10 @@ TEST(BookZone, ZonesOfOneFacetAreDisjoint) {
   for (const auto& input :
        {sharp::wedge(20).input, sharp::skew_wedge(5).input, sharp::pyramid(5, 30).input, domains::l_shape<3>()}) {
     const Domain<3> domain = build_domain(input);
-    const Protection<3> protection(domain);
+    Protection<3> protection(domain);
+    bind_all(protection);
     for (const FacetId f : ids(domain.facet_frame)) {
-      const std::vector<BookZone> zones = zones_of(domain, protection, f);
+      const std::vector<BookZone> zones = zones_of(protection, f);
       int n_held = 0;
       for_each_sampled_point(domain, f, [&](const Vec<3>& x) {
         int n = 0;
@@ -72,7 +83,7 @@ TEST(BookZone, HoldsEverythingBelowWhatItHolds) {
   const Protection<3> protection(domain);
   Random random(2);
   for (const FacetId f : ids(domain.facet_frame))
-    for (const BookZone& z : zones_of(domain, protection, f)) {
+    for (const BookZone& z : zones_of(protection, f)) {
       EXPECT_GT(z.largest_height(), 0);
       for (int i = 0; i < 500; ++i) {
         const double s = z.length() * random.unit(), y = 1.2 * z.largest_height() * random.unit();
@@ -95,7 +106,7 @@ TEST(BookZone, PagesAreTurnedAboutTheSpine) {
   for (const SegmentId spine : ids(domain.segments)) {
     const auto pages = protection.incidence.pages_of(spine);
     if (pages.size() != 5) continue;
-    const BookZone z(domain, protection, spine, {pages.begin(), pages.end()});
+    const BookZone z(domain, protection, constant_spacing<3>(domain, 0.02), spine, {pages.begin(), pages.end()});
     const Vec<3> a = domain.points[domain.segments[spine][0]], b = domain.points[domain.segments[spine][1]];
     for (int i = 0; i < 200; ++i) {
       const Vec<2> x{z.length() * random.unit(), z.largest_height() * random.unit()};
@@ -116,7 +127,7 @@ TEST(BookZone, KeepsClearOfCorners) {
   const SegmentId spine(0);
   const auto pages = protection.incidence.pages_of(spine);
   protection.corners[domain.segments[spine][0]] = 0.2;
-  const BookZone z(domain, protection, spine, {pages.begin(), pages.end()});
+  const BookZone z(domain, protection, constant_spacing<3>(domain, 0.02), spine, {pages.begin(), pages.end()});
   EXPECT_FALSE(z.holds({0.19, 0.0}));
   EXPECT_FALSE(z.holds({0.15, 0.1}));
   EXPECT_TRUE(z.holds({0.21, 0.0}));

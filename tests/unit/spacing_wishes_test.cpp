@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kRounding = 1e-12;
 constexpr double kRatio = 3.3;  // SpacingOptions::edge_per_spacing
-constexpr SpacingOptions kOptions{.gradation = 0.2};
+constexpr SpacingOptions kOptions{.gradation = 0.2, .feature_factor = 0.45};
 
 template <int D>
 std::vector<Vec<D>> probes(int n, double scale = 1) {
