@@ -16,6 +16,9 @@ namespace {
 /// Chains of edges that turn by less than this (radians) at a vertex are straight.
 constexpr double kStraight = 1e-6;
 
+/// A projection that is shorter than this, relative to the vector, may be rounding.
+constexpr double kNoise = 1e-6;
+
 template <int D>
 double angle_of(const Vec<D>& u, const Vec<D>& v) {
   return 2 * std::atan2(norm(norm(v) * u - norm(u) * v), norm(norm(v) * u + norm(u) * v));
@@ -38,7 +41,9 @@ double angle_to(const Vec<D>& u, const Cone<D>& cone) {
     const Vec<3> normal = cross(cone.side[0], cone.side[1]);
     const Vec<3> foot = u - (dot(u, normal) / norm_sq(normal)) * normal;
     const bool inside = dot(cross(cone.side[0], foot), normal) > 0 && dot(cross(foot, cone.side[1]), normal) > 0;
-    if (inside) least = std::min(least, angle_of(u, foot));
+    // A direction at a right angle to the cone's plane has a foot of rounding noise, which points anywhere.
+    const bool has_foot = norm_sq(foot) > kNoise * kNoise * norm_sq(u);
+    if (inside && has_foot) least = std::min(least, angle_of(u, foot));
   }
   return least;
 }

@@ -103,30 +103,35 @@ TEST(CostlyFeatures, JoinMoreThanTenThinPlacesUntilTheyMakeUpMost) {
   EXPECT_LE(a.features.size(), 10U);
   EXPECT_GE(a.listed(), 0.8 * (a.n() - b.n()));
   std::size_t n_joined = 0;
+  double n_between = 0;
   for (const auto& f : a.features) {
     if (f.n_pairs == 1) {
       EXPECT_EQ(f.radius, 0);
     }
     n_joined += f.n_pairs > 1 ? 1 : 0;
     EXPECT_GE(f.size, 0.02 - 1e-12);
-    EXPECT_NEAR(f.place[2], 0.5 + f.size / 2, 1e-12) << "between the plates";
+    if (f.size < 0.024) {
+      EXPECT_NEAR(f.place[2], 0.5 + f.size / 2, 1e-12) << "between the plates";
+      n_between += f.vertices;
+    }
   }
   EXPECT_GT(n_joined, 0U);
+  EXPECT_GE(n_between, 0.7 * (a.n() - b.n()));
 }
 
-TEST(CostlyFeatures, NameTheAngleOfACrack) {
+/// Facets carry equal centers at the angle; what costs is the end of the crack over the bottom. What the copies and the
+/// crack itself add is not counted as due to a feature: it does not make f smaller.
+TEST(CostlyFeatures, NameTheThinEndOfACrack) {
   const Meshed<3> without = packed(domains::unit_cube());
-  for (const double degrees : {5.0, 4.0}) {
+  for (const double degrees : {5.0, 2.0}) {
     const Meshed<3> with = packed(sharp::leaning_crack(degrees).input);
-    const double beyond = with.n() - without.n();
     ASSERT_FALSE(with.features.empty());
-    const CostlyFeature<3>& angle = with.features[0];
-    EXPECT_EQ(angle.kind, Kind<3>::kAngle);
-    EXPECT_NEAR(angle.angle_deg, degrees, 1e-6);
-    EXPECT_NEAR(angle.place[0], 0.3, 1e-12) << "on the spine";
-    EXPECT_NEAR(angle.place[1], 0.5, 0.2);
-    EXPECT_NEAR(angle.place[2], 0, 1e-12);
-    EXPECT_GE(with.listed(), 0.8 * beyond);
+    const CostlyFeature<3>& end = with.features[0];
+    const double height = 0.4 * std::sin(sharp::radians(degrees));
+    EXPECT_EQ(end.kind, Kind<3>::kGap);
+    EXPECT_NEAR(end.size, height, 1e-9);
+    EXPECT_NEAR(end.place[2], height / 2, 1e-9);
+    EXPECT_GE(with.listed(), 0.5 * (with.n() - without.n()));
     EXPECT_LE(with.listed(), with.n());
   }
 }
@@ -136,7 +141,7 @@ TEST(CostlyFeatures, NameTheThinEndOfAWedgeInThePlane) {
   for (const double degrees : {1.0, 5.0}) {
     const Meshed<2> with = packed(sharp::leaning_slit(degrees).input);
     ASSERT_FALSE(with.features.empty());
-    EXPECT_GE(with.listed(), 0.8 * (with.n() - without.n()));
+    EXPECT_GE(with.listed(), 0.8 * (with.n() - without.n()) - 1) << "so few vertices are not whole";
     EXPECT_LE(with.listed(), with.n());
     // Segments carry common distances from the tip; what costs is the end of the slit over the side.
     const CostlyFeature<2>& end = with.features[0];
@@ -312,8 +317,7 @@ TEST(Budget, RefusalNamesTheSameFeatureAsTheMesh) {
   for (const DomainInput<3>& input : {box_with_plates<3>(0.03), sharp::leaning_crack(5).input}) {
     const Meshed<3> m = packed(input);
     const std::string message = refusal(m.domain, 100);
-    const std::string words =
-        m.features.at(0).kind == Kind<3>::kGap ? " are 0.03 apart near (" : " meet at 5 degrees near (";
+    const std::string words = input.facets.size() == 7 ? " are 0.03486 apart near (" : " are 0.03 apart near (";
     const std::string first_line = message.substr(0, message.find('\n', message.find('\n') + 1));
     EXPECT_NE(first_line.find(words), std::string::npos) << message;
   }

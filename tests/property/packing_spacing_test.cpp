@@ -47,7 +47,9 @@ void size_is_the_mean_edge(double size) {
 TEST(Size, IsTheMeanEdgeFarFromTheBoundaryInThePlane) { size_is_the_mean_edge<2>(0.03); }
 TEST(Size, IsTheMeanEdgeFarFromTheBoundaryInSpace) { size_is_the_mean_edge<3>(0.12); }
 
-/// `relative` is the largest f by the diameter; without it the local feature size alone grades f.
+constexpr double kFewSpheres = 10;
+/// `relative` is the largest f by the diameter; without it the local feature size alone grades f, and the mesh is so
+/// small that single spheres count.
 template <int D>
 void estimate_is_near(const char* name, const DomainInput<D>& input, std::optional<double> relative,
                       double tolerance = 0.2) {
@@ -60,7 +62,8 @@ void estimate_is_near(const char* name, const DomainInput<D>& input, std::option
     const Packing<D> packing = pack(domain, spacing, options);
     if (packing.repair_rounds > 0) continue;  // Nothing foresees how much smaller repairs make f.
     const auto real = static_cast<double>(packing.center.size());
-    EXPECT_NEAR(estimate_sphere_count(domain, spacing, options), real, tolerance * real) << name << ' ' << filling.name;
+    EXPECT_NEAR(estimate_sphere_count(domain, spacing, options), real, tolerance * real + (relative ? 0 : kFewSpheres))
+        << name << ' ' << filling.name;
   }
 }
 TEST(Estimate, IsNearTheCountInThePlane) {

@@ -199,6 +199,14 @@ TEST(Protection, MakesBooksOfPagesThenCornersThenShrinksF) {
   EXPECT_FALSE(protection.adapt(intrusion, spacing));
   EXPECT_TRUE(protection.books.joined(spine, pages[0], pages[1]));
   EXPECT_TRUE(protection.corners.empty());
+  // Then traces, two at each end of the spine, though there is no room for them here.
+  for (int end = 0; end < 2; ++end) {
+    protection.begin_round();
+    EXPECT_FALSE(protection.adapt(intrusion, spacing));
+    EXPECT_TRUE(protection.corners.empty());
+    protection.add_traces(spacing);
+    EXPECT_FALSE(protection.incidence.has_traces());
+  }
   protection.begin_round();
   EXPECT_FALSE(protection.adapt(intrusion, spacing));
   EXPECT_EQ(protection.corners.size(), 1U);

@@ -75,7 +75,7 @@ TEST(SharpFeatures, OfAWedge) {
 }
 
 TEST(SharpFeatures, OfAFan) {
-  const Mesh<2> mesh = make_mesh(sharp::fan(3, 10).input).mesh;
+  const Mesh<2> mesh = mesh_of(sharp::fan(3, 10).input, 0.1);
   const judge::SharpFeatures<2> features = features_of(mesh);
   // By the segment of the fan that holds a vertex, its ends excluded.
   std::array<std::vector<std::uint32_t>, 3> on;
