@@ -19,6 +19,8 @@ namespace {
 
 /// So often f shrinks around stretched simplices; then they stay, and the certificate names them.
 constexpr int kStretchedRounds = 8;
+/// Nor if they are more than one in so many: what makes that many is nothing that a smaller f would mend.
+constexpr std::size_t kFewStretched = 20;
 
 std::array<int, 2> regions_of_wall(const std::array<RegionId, 2>& sides) {
   std::array<int, 2> result;
@@ -172,7 +174,9 @@ Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const Packin
       if (interior.broken_faces.empty()) {
         append_interior(boundary.packing, std::move(interior));
         boundary.faults = stretched_simplices(boundary.packing, protection.incidence);
-        if (boundary.faults.empty() || n_stretched >= kStretchedRounds) {
+        const std::size_t few =
+            std::max(kFewStretched, boundary.packing.triangulation.simplices.size() / kFewStretched);
+        if (boundary.faults.empty() || boundary.faults.size() > few || n_stretched >= kStretchedRounds) {
           boundary.packing.repairs = std::move(all_caps);
           boundary.packing.repair_rounds = round;
           drop_traces(boundary.packing, protection.incidence);
