@@ -68,8 +68,8 @@ struct BookZone::PageObstacles {
       }
     return least;
   }
-  template <class Spacing>
-  [[nodiscard]] bool leaves_room(const Vec<2>& x, const Spacing& f) const {
+  template <class F>
+  [[nodiscard]] bool leaves_room(const Vec<2>& x, const F& f) const {
     const double y = x[1] / kZoneShare;
     if (y > distance_to(spines, x)) return false;
     for (const Ball<2>& c : corners)

@@ -14,9 +14,6 @@ namespace voropack {
 
 namespace {
 
-/// Tied strands go their own ways where they are this many f apart: protecting balls of independent points then do not
-/// reach the other strand.
-constexpr double kApart = 1.5;
 /// Of a strand that is tied at both ends, each tie gets this part if it wants it, and what the other one leaves.
 constexpr double kShare = 0.45;
 /// Room in f that a tie leaves to the far end of a strand that goes on alone.
@@ -94,7 +91,7 @@ class StrandPacker {
     for (double t = 0; t < length; t += 0.25 * least(tie, t)) {
       double largest = 0;
       for (const StrandEnd& e : tie.ends) largest = std::max(largest, spacing_(at(e, t)));
-      if ((tie.start + t) * slope >= kApart * largest) return t;
+      if ((tie.start + t) * slope >= kTieApart * largest) return t;
     }
     return length;
   }

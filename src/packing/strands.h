@@ -45,6 +45,10 @@ struct PackedStrand {
   double tied_end = 0;           ///< The same from the far end.
 };
 
+/// What is tied goes its own ways where it is this many f apart: protecting balls of independent points then do not
+/// reach the others.
+inline constexpr double kTieApart = 1.5;
+
 /// How much tied centers move at random, relative to the room that their angle leaves: exact copies would be
 /// cocircular, and rounding would decide how they are triangulated. Small enough that nothing encroaches.
 inline constexpr double kTieJitter = 0.01;

@@ -6,13 +6,12 @@
 
 #include "geom/distance.h"
 #include "geom/polytope_distance.h"
+#include "packing/strands.h"
 
 namespace voropack {
 
 namespace {
 
-/// Where segment and trace are this many f apart, independent centers do not encroach.
-constexpr double kApart = 1.5;
 /// Room in f that a trace leaves to whatever else is in the facet.
 constexpr double kRoom = 2.2;
 /// A trace keeps away from the facet's segments at its tip by so many of its own angle: nearer to them their centers
@@ -87,7 +86,7 @@ std::optional<Trace> find_trace(const Domain<3>& domain, const Incidence<3>& inc
     f = std::min(spacing(below), spacing(tip + t * up));
     if (t > 0 && !is_free(below, kRoom * spacing(below))) break;
     trace.length = t;
-    if (t * 2 * std::sin(trace.angle / 2) >= kApart * std::max(spacing(below), spacing(tip + t * up))) break;
+    if (t * 2 * std::sin(trace.angle / 2) >= kTieApart * std::max(spacing(below), spacing(tip + t * up))) break;
   }
   if (t >= length && is_free(tip + length * trace.direction, kRoom * f)) trace.length = length;
   if (trace.length < kRoom * spacing(tip)) return std::nullopt;

@@ -8,9 +8,12 @@
 #include "spheres/pack_interior.h"
 #include "spheres/region_labels.h"
 #include "support/domains.h"
+#include "support/point_sets.h"
 
 namespace voropack {
 namespace {
+
+using test::random_point;
 
 template <int K>
 LocalSpacing<K> graded(double f0, double b) {
@@ -49,13 +52,6 @@ WallLocator<K> unit_walls() {
       }
   }
   return WallLocator<K>(std::move(walls));
-}
-
-template <int K>
-Vec<K> random_point(Random& random) {
-  Vec<K> x;
-  for (int k = 0; k < K; ++k) x[k] = random.unit();
-  return x;
 }
 
 template <int K>
