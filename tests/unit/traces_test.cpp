@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "geom/distance.h"
 #include "packing/book.h"
+#include "packing/strands.h"
 #include "packing/traces.h"
 #include "support/sharp_domains.h"
 #include "voropack/packing.h"
@@ -67,7 +69,8 @@ TEST(Traces, OfACracksSides) {
       EXPECT_LE(trace->length, distance(c.domain.points[a], c.domain.points[b]));
       // It ends where it does for a reason: the segment ends too, or is apart.
       if (trace->length < distance(c.domain.points[a], c.domain.points[b]) * (1 - 1e-9)) {
-        EXPECT_GT(trace->length * std::sin(trace->angle), 0.05);
+        const Vec<3> end = c.domain.points[site.tip] + trace->length * trace->direction;
+        EXPECT_GE(2 * trace->length * std::sin(trace->angle / 2), kTieApart * c.spacing(end));
       }
     }
   }
@@ -127,25 +130,33 @@ TEST(Traces, LetBooksReachToTheSides) {
     return n / 1600.0;
   };
   const double before = held(protection);
-  Domain<3> with_traces = c.domain;
-  std::vector<FacetId> facets;
-  for (const TraceSite& site : c.sites()) {
-    add_trace(with_traces, *find_trace(with_traces, Incidence<3>(with_traces, facets), site, c.spacing));
-    facets.push_back(site.facet);
-  }
-  const Incidence<3> incidence(with_traces, facets);
-  EXPECT_TRUE(incidence.has_traces());
-  const SegmentId trace(with_traces.segments.size() - 1);
-  EXPECT_EQ(incidence.given(PolytopeId(trace)), PolytopeId(c.ground.facet));
-  EXPECT_EQ(incidence.pages_of(trace).size(), 2U);
-  EXPECT_TRUE(incidence.contains(PolytopeId(c.ground.facet), PolytopeId(trace)));
   EXPECT_GT(before, 0.3);
+  // A center of one page in a ball of the other, near either end of the spine, asks for traces of the sides.
+  const auto [a, b] = c.domain.segments[c.spine];
+  for (const PointId end : {a, b}) {
+    const Vec<3> base = c.domain.points[end] + 0.02 * c.incidence.direction(c.spine, end);
+    const auto at = [&](const Page& p) { return base + 0.2 * c.incidence.inward(p, c.spine); };
+    protection.begin_round();
+    EXPECT_FALSE(protection.adapt(
+        {at(c.leaf), PolytopeId(c.leaf.facet), {at(c.ground), 0.03}, PolytopeId(c.ground.facet), base, {}, {}},
+        c.spacing));
+  }
+  protection.add_traces(c.spacing);
+  ASSERT_TRUE(protection.incidence.has_traces());
+  EXPECT_EQ(protection.domain().segments.size(), c.domain.segments.size() + 2);
+  const SegmentId trace(protection.domain().segments.size() - 1);
+  EXPECT_EQ(protection.incidence.given(PolytopeId(trace)), PolytopeId(c.ground.facet));
+  EXPECT_EQ(protection.incidence.pages_of(trace).size(), 2U);
+  EXPECT_TRUE(protection.incidence.contains(PolytopeId(c.ground.facet), PolytopeId(trace)));
+  EXPECT_GT(held(protection), before);
   // The packer finds the same by itself, and what it returns knows nothing of traces.
   const Packing<3> packing = pack(c.domain, c.spacing);
   EXPECT_EQ(find_packing_fault(packing, c.domain, c.spacing), "");
   for (const auto& s : packing.subsegments) EXPECT_LT(s.carrier.index, c.domain.segments.size());
   for (const PolytopeId p : packing.carrier)
-    if (p.dimension == 1) EXPECT_LT(p.index, c.domain.segments.size());
+    if (p.dimension == 1) {
+      EXPECT_LT(p.index, c.domain.segments.size());
+    }
 }
 
 }  // namespace
