@@ -25,19 +25,24 @@ constexpr int kMaxRounds = 12;
 constexpr int kCarefulRounds = 6;
 constexpr double kWorst = 0.25;
 
-/// The points that are extreme in eight directions of the plane: one of them is nearly as far from any line as the
-/// farthest point.
+/// The points that are extreme in eight directions of the plane, and across the longest line between two of them: one
+/// of them is nearly as far from any line as the farthest point.
 std::vector<Index> extreme_points(const std::vector<Vec<3>>& points, const std::vector<Index>& candidates,
                                   const PlaneFrame& frame) {
   std::vector<Index> extremes;
-  constexpr std::array<std::array<int, 2>, 4> kDirections = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
-  for (const auto& [du, dv] : kDirections) {
-    const auto along = [&, du = du, dv = dv](Index p) { return dot(frame.to_plane(points[p]), Vec<2>{du, dv}); };
-    const auto [lo, hi] = std::minmax_element(candidates.begin(), candidates.end(),
-                                              [&](Index p, Index q) { return along(p) < along(q); });
+  const auto add_extremes = [&](const Vec<2>& direction) {
+    const auto along = [&](Index p) { return dot(frame.to_plane(points[p]), direction); };
+    const auto [lo, hi] = std::ranges::minmax_element(candidates, {}, along);
     extremes.push_back(*lo);
     extremes.push_back(*hi);
+    return frame.to_plane(points[*hi]) - frame.to_plane(points[*lo]);
+  };
+  Vec<2> longest;
+  for (const Vec<2>& direction : {Vec<2>{1, 0}, Vec<2>{0, 1}, Vec<2>{1, 1}, Vec<2>{1, -1}}) {
+    const Vec<2> line = add_extremes(direction);
+    if (norm_sq(line) > norm_sq(longest)) longest = line;
   }
+  add_extremes({-longest[1], longest[0]});
   std::sort(extremes.begin(), extremes.end());
   extremes.erase(std::unique(extremes.begin(), extremes.end()), extremes.end());
   return extremes;

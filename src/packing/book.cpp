@@ -17,8 +17,17 @@ namespace {
 constexpr double kZoneShare = 0.8;
 /// Where a zone is higher than that beside something else in a page, it stays so many f away.
 constexpr double kZoneRoom = 1.6;
+/// Zones are maximal to so many f, if nothing else is asked for.
+constexpr double kZoneEpsilon = 0.5;
+/// Of the height that T4 asks for: balls beyond it are those of a larger f.
+constexpr double kZoneReserve = 1.3;
+/// Relative, of that height.
+constexpr double kZoneAccuracy = 0.01;
 /// The height of a zone is known at this many places along the spine at least, and linear between them.
 constexpr std::size_t kZoneSamples = 129;
+
+/// Halvings of the interval in which the height is.
+constexpr int kZoneSteps = 30;
 
 /// Walls whose angles with the spine differ by less than this (radians) are shared.
 constexpr double kSameAngle = 1e-9;
@@ -36,15 +45,72 @@ class OutsideOf : public Area<2> {
         if (!zone_.holds({s, y})) return true;
     return !zone_.holds(box.center());
   }
-  [[nodiscard]] bool covers(const Box<2>& box) const override {
-    return box.hi[0] < 0 || box.lo[0] > zone_.length() || box.hi[1] < 0 || box.lo[1] > zone_.largest_height();
-  }
+  [[nodiscard]] bool covers(const Box<2>& box) const override { return zone_.misses(box); }
 
  private:
   const BookZone& zone_;
 };
 
 }  // namespace
+
+namespace {
+
+/// Of pages one behind the other, with the angles between neighbors.
+std::vector<BookLevel> levels_of_row(std::span<const Page> row, std::span<const double> gaps) {
+  struct Part {
+    std::size_t begin, end, depth;
+    std::optional<std::size_t> parent;
+  };
+  std::vector<Part> parts = {{0, row.size(), 0, std::nullopt}};
+  std::vector<BookLevel> levels;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const Part part = parts[i];
+    if (part.end - part.begin < 2) continue;
+    const auto inner = gaps.subspan(part.begin, part.end - part.begin - 1);
+    const double cut = 0.5 * std::ranges::max(inner);
+    BookLevel level{{}, std::numeric_limits<double>::infinity(), part.depth, part.parent};
+    std::size_t begin = part.begin;
+    for (std::size_t k = part.begin; k < part.end; ++k) {
+      level.pages.push_back(row[k]);
+      if (k + 1 < part.end && gaps[k] <= cut) continue;
+      if (k + 1 < part.end) level.angle = std::min(level.angle, gaps[k]);
+      parts.push_back({begin, k + 1, part.depth + 1, levels.size()});
+      begin = k + 1;
+    }
+    levels.push_back(std::move(level));
+  }
+  return levels;
+}
+
+}  // namespace
+
+std::vector<BookLevel> levels_of_book(const Protection<3>& protection, SegmentId spine, std::vector<Page> pages) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  const Vec<3> first = protection.incidence.inward(pages[0], spine);
+  const Vec<3> along = protection.incidence.direction(spine, protection.domain().segments[spine][0]);
+  std::vector<std::pair<double, Page>> turns;
+  for (const Page& page : pages) {
+    const Vec<3> inward = protection.incidence.inward(page, spine);
+    const double turn = std::atan2(dot(cross(first, inward), along), dot(first, inward));
+    turns.emplace_back(turn < 0 ? turn + kTurn : turn, page);
+  }
+  std::ranges::sort(turns);
+  // Cut where the gap is widest: the pages then follow each other in a row.
+  const auto gap_after = [&](std::size_t i) {
+    return i + 1 < turns.size() ? turns[i + 1].first - turns[i].first : turns[0].first + kTurn - turns[i].first;
+  };
+  std::size_t widest = 0;
+  for (std::size_t i = 1; i < turns.size(); ++i)
+    if (gap_after(i) > gap_after(widest)) widest = i;
+  std::vector<double> gaps;  // Behind each page but the last one.
+  std::vector<Page> row;
+  for (std::size_t i = 1; i <= turns.size(); ++i) {
+    const std::size_t k = (widest + i) % turns.size();
+    row.push_back(turns[k].second);
+    if (i < turns.size()) gaps.push_back(gap_after(k));
+  }
+  return levels_of_row(row, gaps);
+}
 
 /// What limits a zone in one page, in (s, y).
 struct BookZone::PageObstacles {
@@ -68,20 +134,21 @@ struct BookZone::PageObstacles {
       }
     return least;
   }
-  template <class F>
-  [[nodiscard]] bool leaves_room(const Vec<2>& x, const F& f) const {
+  /// `keeps_clear(d)`: whether the distance d to something else is enough at x.
+  template <class KeepsClear>
+  [[nodiscard]] bool leaves_room(const Vec<2>& x, KeepsClear&& keeps_clear) const {
     const double y = x[1] / kZoneShare;
     if (y > distance_to(spines, x)) return false;
     for (const Ball<2>& c : corners)
       if (y > distance(x, c.center) - c.radius) return false;
     const double d = distance_to(segments, x);
-    return y <= d || d >= kZoneRoom * f(x);
+    return y <= d || keeps_clear(d);
   }
 };
 
 BookZone::BookZone(const Domain<3>& domain, const Protection<3>& protection, const Spacing<3>& spacing, SegmentId spine,
-                   std::vector<Page> pages)
-    : spine_(spine), pages_(std::move(pages)) {
+                   BookLevel level, const BookZone* below)
+    : spine_(spine), pages_(std::move(level.pages)), below_(below) {
   const auto [a, b] = domain.segments[spine];
   start_ = domain.points[a];
   along_ = protection.incidence.direction(spine, a);
@@ -106,9 +173,21 @@ BookZone::BookZone(const Domain<3>& domain, const Protection<3>& protection, con
   for (const double s : positions_) {
     double lo = 0, hi = std::min(widest, height_below_walls(s));
     for (const PageObstacles& o : obstacles) hi = std::min(hi, o.height_over(s));
-    for (int step = 0; step < 30; ++step) {
+    hi = std::min(hi, height_needed(spacing, level.angle, s, hi));
+    // What is known of f at one height is mostly enough at the next one.
+    double known_height = 0, known = f({s, 0});
+    const auto keeps_clear = [&](double y, double d) {
+      const double slack = spacing.lipschitz() * std::abs(y - known_height);
+      if (std::abs(d - kZoneRoom * known) > kZoneRoom * slack) return d > kZoneRoom * known;
+      known_height = y;
+      known = f({s, y});
+      return d >= kZoneRoom * known;
+    };
+    for (int step = 0; step < kZoneSteps; ++step) {
       const double y = 0.5 * (lo + hi);
-      const bool fits = std::ranges::all_of(obstacles, [&](const auto& o) { return o.leaves_room({s, y}, f); });
+      const bool fits = std::ranges::all_of(obstacles, [&](const auto& o) {
+        return o.leaves_room({s, y}, [&](double d) { return keeps_clear(y, d); });
+      });
       (fits ? lo : hi) = y;
     }
     heights_.push_back(lo);
@@ -213,6 +292,19 @@ double BookZone::height_below_walls(double s) const {
   return height;
 }
 
+/// The least height W at s with W >= f (1 + sqrt(1 + 1 / sin^2(angle / 2))), beyond which balls of one page are clear
+/// of centers of others.
+double BookZone::height_needed(const Spacing<3>& spacing, double angle, double s, double most) const {
+  const double sine = std::sin(0.5 * angle), widths = kZoneReserve * (1 + std::sqrt(1 + 1 / (sine * sine)));
+  double height = 0;
+  while (height < most) {
+    const double needed = widths * least_spacing(spacing, {s, height});
+    if (needed <= height * (1 + kZoneAccuracy)) break;
+    height = needed;
+  }
+  return std::min(height, most);
+}
+
 double BookZone::height_at(double s) const {
   const auto next = std::upper_bound(positions_.begin() + 1, positions_.end() - 1, s);
   const auto i = static_cast<std::size_t>(next - positions_.begin()) - 1;
@@ -220,9 +312,31 @@ double BookZone::height_at(double s) const {
   return (1 - t) * heights_[i] + t * heights_[i + 1];
 }
 
+std::array<double, 2> BookZone::heights_between(double s, double t) const {
+  std::array<double, 2> range = {height_at(s), height_at(s)};
+  const auto take = [&](double height) { range = {std::min(range[0], height), std::max(range[1], height)}; };
+  take(height_at(t));
+  const auto begin = std::ranges::lower_bound(positions_, s), end = std::ranges::upper_bound(positions_, t);
+  for (auto i = begin; i < end; ++i) take(heights_[static_cast<std::size_t>(i - positions_.begin())]);
+  return range;
+}
+
+bool BookZone::reaches(const Vec<2>& x) const {
+  return x[1] <= height_at(x[0]) || (below_ != nullptr && below_->reaches(x));
+}
+
 bool BookZone::holds(const Vec<2>& x) const {
   if (!(x[0] >= 0 && x[0] <= length_ && x[1] >= 0 && x[1] <= height_at(x[0]))) return false;
+  if (below_ != nullptr && below_->reaches(x)) return false;
   return norm(x) > corner_[0] && norm(x - Vec<2>{length_, 0.0}) > corner_[1];
+}
+
+bool BookZone::misses(const Box<2>& box) const {
+  const double begin = std::max(box.lo[0], 0.0), end = std::min(box.hi[0], length_);
+  if (begin > end || box.hi[1] < 0 || box.lo[1] > heights_between(begin, end)[1]) return true;
+  for (const BookZone* zone = below_; zone != nullptr; zone = zone->below_)
+    if (box.hi[1] <= zone->heights_between(begin, end)[0]) return true;
+  return false;
 }
 
 Vec<2> BookZone::to_page(std::size_t page, const Vec<3>& x) const {
@@ -298,7 +412,7 @@ std::vector<Ball<2>> pack_book(const BookZone& zone, std::vector<Ball<2>> obstac
   problem.form = options.form == PackingForm::kFiltered ? PackingForm::kFiltered : PackingForm::kMaximal;
   problem.lattice_first = options.form == PackingForm::kVoronoi;
   problem.interior = options.interior;
-  problem.epsilon = options.epsilon;
+  problem.epsilon = options.form == PackingForm::kVoronoi ? kZoneEpsilon : options.epsilon;
   problem.seed = hash_words(options.seed, 4, zone.spine().value(), zone.pages()[0].facet.value());
   return pack_interior(problem, false, observer).spheres;
 }

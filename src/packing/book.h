@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,22 +14,36 @@
 
 namespace voropack {
 
-/// Where a book's pages are equal, in coordinates (s, y) of a page: s along the spine, y >= 0 away from it.
+/// Pages of a book that carry the same centers, in a zone as high as the angle between parts of them needs.
+struct BookLevel {
+  std::vector<Page> pages;
+  double angle = 0;  ///< The least between pages of different parts; a further level follows within a part. Radians.
+  std::size_t depth = 0;
+  std::optional<std::size_t> parent = std::nullopt;  ///< In the order of the levels.
+};
+
+/// A book's levels: all of its pages, then the parts of them that are nearer to each other, and so on, parents first.
+/// Gaps within a part are at most half of the widest gap between parts.
+std::vector<BookLevel> levels_of_book(const Protection<3>& protection, SegmentId spine, std::vector<Page> pages);
+
+/// Where pages of a level are equal, in coordinates (s, y) of a page: s along the spine, y >= 0 away from it.
 ///
 /// There y is at most a fixed part of the distance to other spines and to corners in any of the pages: whatever is in
 /// the zone of one spine is in no other's. It keeps 2 f away from the other segments of the pages, except from shared
 /// walls: segments that leave an end of the spine at one angle in all pages, and are no spines. Up to these everything
-/// is equal.
+/// is equal. What a zone `below` holds, the one of the level's parent, is not in it.
 class BookZone {
  public:
   BookZone(const Domain<3>& domain, const Protection<3>& protection, const Spacing<3>& spacing, SegmentId spine,
-           std::vector<Page> pages);
+           BookLevel level, const BookZone* below = nullptr);
 
   [[nodiscard]] SegmentId spine() const { return spine_; }
   [[nodiscard]] const std::vector<Page>& pages() const { return pages_; }
   [[nodiscard]] double length() const { return length_; }
   [[nodiscard]] double largest_height() const { return largest_; }
   [[nodiscard]] bool holds(const Vec<2>& x) const;
+  /// True if the box holds no point of the zone. False is no answer.
+  [[nodiscard]] bool misses(const Box<2>& box) const;
   /// The spine and the shared walls, in (s, y).
   [[nodiscard]] const std::vector<std::array<Vec<2>, 2>>& walls() const { return walls_; }
   /// True if the segment is the spine, or a shared wall in this page.
@@ -49,10 +64,16 @@ class BookZone {
   [[nodiscard]] double shared_length(const Vec<2>& tip) const;
   void find_shared_walls(const Domain<3>& domain, const Protection<3>& protection);
   [[nodiscard]] double height_below_walls(double s) const;
+  [[nodiscard]] double height_needed(const Spacing<3>& spacing, double angle, double s, double most) const;
   [[nodiscard]] double height_at(double s) const;
+  /// The least and the largest height between two positions.
+  [[nodiscard]] std::array<double, 2> heights_between(double s, double t) const;
+  /// True if the zone or one below it holds x.
+  [[nodiscard]] bool reaches(const Vec<2>& x) const;
 
   SegmentId spine_;
   std::vector<Page> pages_;
+  const BookZone* below_;
   Vec<3> start_, along_;
   std::vector<Vec<3>> inward_;  ///< By page.
   double length_;

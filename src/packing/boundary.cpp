@@ -80,7 +80,6 @@ class BoundaryPacker {
       add_fans();
       settle();
       add_books();
-      settle();
       add_facets();
       if (result_.faults.empty()) find_intruders(n_spheres, n_balls);
     }
@@ -227,34 +226,59 @@ class BoundaryPacker {
     return rim;
   }
 
-  /// The equal parts of pages, one book after the other: each keeps clear of what is in its pages already.
+  /// The equal parts of pages. First those that all pages of a book share, then what ever fewer of them do.
   void add_books() requires(D == 3) {
+    struct Planned {
+      SegmentId spine;
+      BookLevel level;
+      std::size_t first;  ///< The zone of the book's first level.
+    };
+    std::vector<Planned> plan;
+    std::size_t depth = 0;
     for (const auto& [spine, groups] : protection_.books.all())
       for (const auto& pages : groups) {
-        observer_.check_cancelled();
-        const BookZone& zone =
-            *zones_.emplace_back(std::make_unique<BookZone>(domain_, protection_, spacing_, spine, pages));
-        if (!(zone.largest_height() > 0)) continue;
-        std::vector<Ball<2>> obstacles, balls;
-        for (std::size_t k = 0; k < pages.size(); ++k) collect(zone, k, obstacles, balls);
-        const std::vector<Ball<2>> centers =
-            pack_book(zone, std::move(obstacles), std::move(balls), spacing_, options_, observer_);
-        const double wobble = kTieJitter * (1 - std::cos(protection_.least_angle(spine, pages)));
-        for (std::size_t k = 0; k < pages.size(); ++k) {
-          FacetStart& start = starts_[pages[k].facet.value()];
-          start.reserved.add(domain_, zone, k);
-          for (std::size_t i = 0; i < centers.size(); ++i) {
-            Vec<2> x = centers[i].center;
-            for (int axis = 0; axis < 2; ++axis) {
-              const auto h = hash_words(options_.seed, 5, spine.value(), k, i, axis);
-              x[axis] += wobble / std::numbers::sqrt2 * centers[i].radius * (2 * to_unit(h) - 1);
-            }
-            const Vec<3> p = zone.from_page(k, x);
-            start.spheres.push_back(
-                add(p, std::min(spacing_(p), centers[i].radius * (1 - 2 * wobble)), PolytopeId(pages[k].facet)));
-          }
+        const std::size_t first = plan.size();
+        for (BookLevel& level : levels_of_book(protection_, spine, pages)) {
+          depth = std::max(depth, level.depth);
+          plan.push_back({spine, std::move(level), first});
         }
       }
+    zones_.resize(plan.size());
+    for (std::size_t d = 0; d <= depth; ++d) {
+      for (std::size_t i = 0; i < plan.size(); ++i) {
+        const auto& [spine, level, first] = plan[i];
+        if (level.depth != d) continue;
+        observer_.check_cancelled();
+        const BookZone* below = level.parent ? zones_[first + *level.parent].get() : nullptr;
+        zones_[i] = std::make_unique<BookZone>(domain_, protection_, spacing_, spine, level, below);
+        if (zones_[i]->largest_height() > 0) fill_zone(*zones_[i], d);
+      }
+      settle();
+    }
+  }
+
+  /// Puts the same centers into all pages of a zone. They keep clear of what is in the pages already.
+  void fill_zone(const BookZone& zone, std::size_t depth) requires(D == 3) {
+    const std::vector<Page>& pages = zone.pages();
+    std::vector<Ball<2>> obstacles, balls;
+    for (std::size_t k = 0; k < pages.size(); ++k) collect(zone, k, obstacles, balls);
+    const std::vector<Ball<2>> centers =
+        pack_book(zone, std::move(obstacles), std::move(balls), spacing_, options_, observer_);
+    const double wobble = kTieJitter * (1 - std::cos(protection_.least_angle(zone.spine(), pages)));
+    for (std::size_t k = 0; k < pages.size(); ++k) {
+      FacetStart& start = starts_[pages[k].facet.value()];
+      start.reserved.add(domain_, zone, k);
+      for (std::size_t i = 0; i < centers.size(); ++i) {
+        Vec<2> x = centers[i].center;
+        for (int axis = 0; axis < 2; ++axis) {
+          const auto h = hash_words(options_.seed, 5, zone.spine().value(), depth, k, i, axis);
+          x[axis] += wobble / std::numbers::sqrt2 * centers[i].radius * (2 * to_unit(h) - 1);
+        }
+        const Vec<3> p = zone.from_page(k, x);
+        start.spheres.push_back(
+            add(p, std::min(spacing_(p), centers[i].radius * (1 - 2 * wobble)), PolytopeId(pages[k].facet)));
+      }
+    }
   }
 
   /// What a book finds in its k-th page, in the page's coordinates.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/parallel.h"
 #include "base/random.h"
@@ -17,8 +18,11 @@ namespace voropack {
 
 namespace {
 
-/// So often f shrinks around stretched simplices; then they stay, and the certificate names them.
+/// So often f shrinks around stretched simplices; then the mesh with the fewest is taken, and the certificate names
+/// them.
 constexpr int kStretchedRounds = 8;
+/// Nor does f shrink once more if the mesh has grown to so many times the size of the best one.
+constexpr std::size_t kStretchedGrowth = 2;
 /// Nor if they are more than one in so many: what makes that many is nothing that a smaller f would mend.
 constexpr std::size_t kFewStretched = 20;
 
@@ -143,68 +147,106 @@ void add_caps(std::vector<SpacingCap<D>>& caps, std::vector<SpacingCap<D>> more,
   caps.insert(caps.end(), added.begin(), added.end());
 }
 
-}  // namespace
-
+/// The verify-and-adapt loop.
 template <int D>
-Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options, Observer& observer) {
-  observer.begin_stage("packing");
-  Budget<D> budget(domain, options);
-  budget.check_ahead(spacing);
-  const WallLocator<D> walls = locator_of(domain);
-  std::vector<SpacingCap<D>> caps;
-  Protection<D> protection(domain);
-  std::size_t n_boundary = 0;
-  int n_stretched = 0;
-  for (int round = 0; round <= options.max_repairs; ++round) {
-    observer.check_cancelled();
-    const Spacing<D> f = caps.empty() ? spacing : spacing.with_caps(caps);
-    if (round > 0) budget.check_again(f, n_boundary);
-    protection.add_traces(f);
-    BoundaryPacking<D> boundary = pack_boundary(f, protection, options, observer);
-    n_boundary = boundary.packing.center.size();
-    name_given(boundary.faults, protection.incidence);
-    name_given(boundary.tied, protection.incidence);
-    if (boundary.faults.empty() && !boundary.protects_more) {
-      std::vector<SpacingCap<D>> all_caps = caps;
-      all_caps.insert(all_caps.end(), boundary.tied.begin(), boundary.tied.end());
-      const Spacing<D> tied = all_caps.empty() ? spacing : spacing.with_caps(all_caps);
-      budget.check_again(tied, n_boundary);
-      const PackingProblem<D> problem = interior_problem(domain, tied, boundary, walls, options);
-      PackedInterior<D> interior = pack_interior(problem, false, observer);
-      if (interior.broken_faces.empty()) {
-        append_interior(boundary.packing, std::move(interior));
-        boundary.faults = stretched_simplices(boundary.packing, protection.incidence);
-        const std::size_t few =
-            std::max(kFewStretched, boundary.packing.triangulation.simplices.size() / kFewStretched);
-        if (boundary.faults.empty() || boundary.faults.size() > few || n_stretched >= kStretchedRounds) {
-          boundary.packing.repairs = std::move(all_caps);
-          boundary.packing.repair_rounds = round;
-          drop_traces(boundary.packing, protection.incidence);
-          return std::move(boundary.packing);
-        }
-        ++n_stretched;
-        std::erase_if(boundary.faults,
-                      [&](const SpacingCap<D>& cap) { return protection.narrow_corners(cap.center, cap.radius, f); });
-      }
+class AdaptivePacker {
+ public:
+  AdaptivePacker(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options, Observer& observer)
+      : spacing_(spacing),
+        options_(options),
+        observer_(observer),
+        budget_(domain, options),
+        walls_(locator_of(domain)),
+        protection_(domain) {}
+
+  Packing<D> run() {
+    budget_.check_ahead(spacing_);
+    for (int round = 0; round <= options_.max_repairs; ++round) {
+      observer_.check_cancelled();
+      const Spacing<D> f = caps_.empty() ? spacing_ : spacing_.with_caps(caps_);
+      if (round > 0 && !best_) budget_.check_again(f, n_boundary_);
+      protection_.add_traces(f);
+      BoundaryPacking<D> boundary = pack_boundary(f, protection_, options_, observer_);
+      n_boundary_ = boundary.packing.center.size();
+      if (best_ && n_boundary_ > kStretchedGrowth * best_->n_boundary) break;
+      name_given(boundary.faults, protection_.incidence);
+      name_given(boundary.tied, protection_.incidence);
+      if (boundary.faults.empty() && !boundary.protects_more && fill_interior(boundary, f, round)) break;
+      observer_.log(LogLevel::kInfo,
+                    fmt::format("round {}: f shrinks at {} places; {} fans, {} books and {} corners are protected",
+                                round + 1, boundary.faults.size(), protection_.fans.all().size(),
+                                protection_.books.all().size(), protection_.corners.size()));
+      add_caps(caps_, std::move(boundary.faults), spacing_.lipschitz());
+    }
+    if (best_) return std::move(best_->packing);
+    throw InternalError(
+        Fault{.id = "packing.not_conforming",
+              .message = fmt::format("after {} rounds of shrinking f some protecting balls still hold a point, the "
+                                     "last one near ({})",
+                                     options_.max_repairs, fmt::join(caps_.back().center.coord, ", ")),
+              .fix = "report this with the input; a smaller --feature-factor may help meanwhile",
+              .position = {caps_.back().center.coord.begin(), caps_.back().center.coord.end()}});
+  }
+
+ private:
+  /// A packing whose protecting balls are all empty.
+  struct Conforming {
+    Packing<D> packing;
+    std::size_t n_stretched = 0, n_simplices = 0, n_boundary = 0;
+  };
+
+  /// True if that ends the loop; else with the faults of the mesh.
+  bool fill_interior(BoundaryPacking<D>& boundary, const Spacing<D>& f, int round) {
+    std::vector<SpacingCap<D>> all_caps = caps_;
+    all_caps.insert(all_caps.end(), boundary.tied.begin(), boundary.tied.end());
+    const Spacing<D> tied = all_caps.empty() ? spacing_ : spacing_.with_caps(all_caps);
+    if (!best_) budget_.check_again(tied, n_boundary_);
+    const PackingProblem<D> problem = interior_problem(protection_.domain(), tied, boundary, walls_, options_);
+    PackedInterior<D> interior = pack_interior(problem, false, observer_);
+    if (!interior.broken_faces.empty()) {
       const std::size_t first = boundary.balls.size() - problem.faces.size();
       const auto& walls_of_balls = wall_simplices(boundary.packing);
       for (const std::uint32_t i : interior.broken_faces)
         boundary.faults.push_back(repair_cap(boundary.balls[first + i].center, boundary.balls[first + i].radius, f,
                                              walls_of_balls[i].carrier, walls_of_balls[i].carrier));
+      return false;
     }
-    observer.log(LogLevel::kInfo,
-                 fmt::format("round {}: f shrinks at {} places; {} fans, {} books and {} corners are protected",
-                             round + 1, boundary.faults.size(), protection.fans.all().size(),
-                             protection.books.all().size(), protection.corners.size()));
-    add_caps(caps, std::move(boundary.faults), spacing.lipschitz());
+    append_interior(boundary.packing, std::move(interior));
+    boundary.faults = stretched_simplices(boundary.packing, protection_.incidence);
+    const std::size_t n_simplices = boundary.packing.triangulation.simplices.size();
+    const std::size_t n_stretched = boundary.faults.size();
+    if (!best_ || n_stretched < best_->n_stretched) {
+      best_ = Conforming{std::move(boundary.packing), n_stretched, n_simplices, n_boundary_};
+      best_->packing.repairs = std::move(all_caps);
+      best_->packing.repair_rounds = round;
+      drop_traces(best_->packing, protection_.incidence);
+    }
+    if (n_stretched == 0 || n_stretched > std::max(kFewStretched, n_simplices / kFewStretched) ||
+        n_simplices > kStretchedGrowth * best_->n_simplices || ++stretched_rounds_ > kStretchedRounds)
+      return true;
+    std::erase_if(boundary.faults,
+                  [&](const SpacingCap<D>& cap) { return protection_.narrow_corners(cap.center, cap.radius, f); });
+    return false;
   }
-  throw InternalError(
-      Fault{.id = "packing.not_conforming",
-            .message = fmt::format("after {} rounds of shrinking f some protecting balls still hold a point, the last "
-                                   "one near ({})",
-                                   options.max_repairs, fmt::join(caps.back().center.coord, ", ")),
-            .fix = "report this with the input; a smaller --feature-factor may help meanwhile",
-            .position = {caps.back().center.coord.begin(), caps.back().center.coord.end()}});
+
+  const Spacing<D>& spacing_;
+  const PackingOptions& options_;
+  Observer& observer_;
+  Budget<D> budget_;
+  WallLocator<D> walls_;
+  Protection<D> protection_;
+  std::vector<SpacingCap<D>> caps_;
+  std::size_t n_boundary_ = 0;
+  int stretched_rounds_ = 0;
+  std::optional<Conforming> best_;
+};
+
+}  // namespace
+
+template <int D>
+Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options, Observer& observer) {
+  observer.begin_stage("packing");
+  return AdaptivePacker<D>(domain, spacing, options, observer).run();
 }
 
 template <int D>

@@ -36,6 +36,7 @@ bool Protection<D>::narrow_corners(const Vec<D>& center, double radius, const Sp
   for (const auto& [p, before] : before_.corners) {
     const double f = spacing(domain_.points[p]);
     if (distance(center, domain_.points[p]) > before + radius || before <= kWideCorner * f) continue;
+    if (!narrowed_.insert(p).second) continue;
     corners.at(p) = kCornerRadius * f;
     narrowed = true;
   }

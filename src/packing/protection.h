@@ -79,7 +79,8 @@ class Protection {
   [[nodiscard]] const Domain<D>& domain() const { return domain_; }
   /// Call before each round of intrusions: what was protected since the last call has had no effect yet.
   void begin_round() { before_ = {fans, books, corners, shaken, tried_sites_}; }
-  /// Narrows the spheres of corners that a ball reaches and that are wide for the f there. False if there are none.
+  /// Narrows the spheres of corners that a ball reaches and that are wide for the f there, each once: if f follows, the
+  /// angles ask for that ratio at any radius. False if there are none.
   bool narrow_corners(const Vec<D>& center, double radius, const Spacing<D>& spacing);
   /// Adds the traces that intrusions of the last round asked for.
   void add_traces(const Spacing<D>& spacing);
@@ -130,6 +131,7 @@ class Protection {
     std::set<TraceSite> tried_sites;
   };
   std::set<TraceSite> tried_sites_;    ///< Of traces that were asked for.
+  std::set<PointId> narrowed_;         ///< Corners that were too wide once.
   std::vector<TraceSite> new_sites_;   ///< Not added yet.
   std::vector<FacetId> trace_facets_;  ///< By trace.
   State before_;

@@ -348,11 +348,14 @@ void ActiveCells<K>::join(const std::vector<Candidate>& candidates) {
 }
 
 template <int K>
-bool ActiveCells<K>::is_covered(const Cell& cell) const {
+bool ActiveCells<K>::is_covered(Cell& cell) const {
   const Box<K> box = box_of(cell);
   const Vec<K> m = box.center();
   const double r = 0.5 * box.diagonal(), b = problem_.spacing.lipschitz;
+  // The lower bound of the parent spares most evaluations.
+  if (cell.constant == 0 && cell.least > 0 && spheres_.covers(m, r, cell.least, b)) return true;
   const double f = cell.constant > 0 ? cell.constant : spacing_near(m);
+  cell.least = std::max(cell.least, f - b * r);
   if (spheres_.covers(m, r, f, b) || balls_.covers(m, r)) return true;
   return problem_.breaks_far_rule(m, 2 * (f - b * r) - r);  // Then every point of the cell is nearer than 2 f.
 }

@@ -115,7 +115,8 @@ class ActiveCells {
             Harvest& out) const;
   [[nodiscard]] bool is_covered(const Obstacles& obstacles, const Mark& begin, const Vec<K>& m, double r,
                                 double f) const;
-  [[nodiscard]] bool is_covered(const Cell& cell) const;
+  /// Tightens the cell's lower bound of f.
+  [[nodiscard]] bool is_covered(Cell& cell) const;
   [[nodiscard]] int region_at(const Cell& cell, const Vec<K>& x) const;
   void place_lattice(const std::vector<LatticePoint>& points);
   template <class Position>

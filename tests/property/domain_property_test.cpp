@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "support/domains.h"
@@ -180,6 +181,30 @@ void nest_boxes() {
 TEST(DomainProperty, BoxesInBoxesHaveTheirMeasures) {
   nest_boxes<2>();
   nest_boxes<3>();
+}
+
+TEST(DomainProperty, TwoTetrahedraOnOneTriangleAreTwoRegions) {
+  Random random(5);
+  for (int i = 0; i < 300; ++i) {
+    SCOPED_TRACE(i);
+    const double thickness = std::pow(10, -3 * random.unit());  // Of the triangle, whose third corner is anywhere.
+    DomainInput<3> input;
+    for (const Vec<3>& x : {Vec<3>{0, 0, 0},
+                            {1, 0, 0},
+                            {random.unit(), thickness, 0},
+                            {random.unit(), thickness * random.unit(), 0.1 + random.unit()},
+                            {random.unit(), thickness * random.unit(), -0.1 - random.unit()}})
+      domains::add_point(input, x);
+    domains::add_facet(input, {0, 1, 2});
+    for (const domains::Corner apex : {3U, 4U})
+      for (domains::Corner k = 0; k < 3; ++k) domains::add_facet(input, {k, (k + 1) % 3, apex});
+    const Domain<3> pair =
+        build_domain(domains::tilted(input, static_cast<std::uint64_t>(i)), {.merge_coplanar = false});
+    ASSERT_EQ(pair.region_id.size(), 2U);
+    const std::vector<double> measures = sorted_measures(pair);
+    EXPECT_NEAR(measures[0], thickness * std::min(input.points[3][2], -input.points[4][2]) / 6, 1e-13);
+    EXPECT_NEAR(measures[1], thickness * std::max(input.points[3][2], -input.points[4][2]) / 6, 1e-13);
+  }
 }
 
 TEST(DomainProperty, TessellatedBoxesAreBoxes) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <memory>
 
 #include "packing/book.h"
 #include "packing/protection.h"
@@ -35,7 +37,7 @@ std::vector<BookZone> zones_of(const Protection<3>& protection, FacetId facet) {
   std::vector<BookZone> zones;
   for (const SegmentId s : domain.facet_segments[facet]) {
     const auto pages = protection.incidence.pages_of(s);
-    zones.emplace_back(domain, protection, spacing, s, std::vector<Page>(pages.begin(), pages.end()));
+    zones.emplace_back(domain, protection, spacing, s, BookLevel{{pages.begin(), pages.end()}});
   }
   return zones;
 }
@@ -106,7 +108,7 @@ TEST(BookZone, PagesAreTurnedAboutTheSpine) {
   for (const SegmentId spine : ids(domain.segments)) {
     const auto pages = protection.incidence.pages_of(spine);
     if (pages.size() != 5) continue;
-    const BookZone z(domain, protection, constant_spacing<3>(domain, 0.02), spine, {pages.begin(), pages.end()});
+    const BookZone z(domain, protection, constant_spacing<3>(domain, 0.02), spine, {{pages.begin(), pages.end()}});
     const Vec<3> a = domain.points[domain.segments[spine][0]], b = domain.points[domain.segments[spine][1]];
     for (int i = 0; i < 200; ++i) {
       const Vec<2> x{z.length() * random.unit(), z.largest_height() * random.unit()};
@@ -127,11 +129,98 @@ TEST(BookZone, KeepsClearOfCorners) {
   const SegmentId spine(0);
   const auto pages = protection.incidence.pages_of(spine);
   protection.corners[domain.segments[spine][0]] = 0.2;
-  const BookZone z(domain, protection, constant_spacing<3>(domain, 0.02), spine, {pages.begin(), pages.end()});
+  const BookZone z(domain, protection, constant_spacing<3>(domain, 0.02), spine, {{pages.begin(), pages.end()}});
   EXPECT_FALSE(z.holds({0.19, 0.0}));
   EXPECT_FALSE(z.holds({0.15, 0.1}));
   EXPECT_TRUE(z.holds({0.21, 0.0}));
   EXPECT_TRUE(z.holds({z.length() - 0.01, 0.0}));
+}
+
+/// A book of a box, at these angles, with its only spine.
+struct OneBook {
+  explicit OneBook(const std::vector<double>& angles)
+      : domain(build_domain(domains::tilted(sharp::book(angles, "").input, 7))), protection(domain) {
+    for (const SegmentId s : ids(domain.segments))
+      if (protection.incidence.pages_of(s).size() == angles.size()) spine = s;
+  }
+  [[nodiscard]] std::vector<BookLevel> levels() const {
+    const auto pages = protection.incidence.pages_of(spine);
+    return levels_of_book(protection, spine, {pages.begin(), pages.end()});
+  }
+  [[nodiscard]] double angle(const Page& p, const Page& q) const { return protection.least_angle(spine, {p, q}); }
+
+  Domain<3> domain;
+  Protection<3> protection;
+  SegmentId spine;
+};
+
+TEST(BookLevels, HoldTheirPagesApartAndGoOnUntilEachIsAlone) {
+  Random random(4);
+  for (int trial = 0; trial < 20; ++trial) {
+    std::vector<double> angles = {0};
+    while (angles.size() < 3U + static_cast<std::size_t>(trial) % 8)
+      angles.push_back(angles.back() + 0.5 + 40 * std::pow(random.unit(), 3));
+    const OneBook book(angles);
+    const std::vector<BookLevel> levels = book.levels();
+    ASSERT_FALSE(levels.empty());
+    EXPECT_EQ(levels[0].pages.size(), angles.size());
+    std::vector<std::map<Page, std::size_t>> child_of(levels.size());  // By level: which child holds a page.
+    for (std::size_t i = 1; i < levels.size(); ++i) {
+      ASSERT_LT(*levels[i].parent, i);
+      EXPECT_EQ(levels[i].depth, levels[*levels[i].parent].depth + 1);
+      EXPECT_LT(levels[i].angle, levels[*levels[i].parent].angle);
+      for (const Page& p : levels[i].pages) {
+        EXPECT_EQ(std::ranges::count(levels[*levels[i].parent].pages, p), 1);
+        EXPECT_TRUE(child_of[*levels[i].parent].emplace(p, i).second);
+      }
+    }
+    for (std::size_t i = 0; i < levels.size(); ++i)
+      for (const Page& p : levels[i].pages)
+        for (const Page& q : levels[i].pages) {
+          const auto a = child_of[i].find(p), b = child_of[i].find(q);
+          const bool go_on = a != child_of[i].end() && b != child_of[i].end() && a->second == b->second;
+          if (p != q && !go_on) {
+            EXPECT_GE(book.angle(p, q), levels[i].angle * (1 - 1e-9));
+          }
+        }
+  }
+}
+
+TEST(BookLevels, EqualAnglesAreOneLevel) {
+  EXPECT_EQ(OneBook({0, 30, 60, 90, 120}).levels().size(), 1U);
+  EXPECT_EQ(OneBook({0, 2, 60, 62, 180}).levels().size(), 4U);  // 180 from the rest, 60 apart, and both pairs.
+}
+
+TEST(BookLevels, TheirZonesAreDisjointAndAsHighAsTheirAngleNeeds) {
+  const OneBook book({0, 2, 50, 53});
+  constexpr double f = 0.004;
+  const Spacing<3> spacing = constant_spacing<3>(book.domain, f);
+  std::vector<std::unique_ptr<BookZone>> zones;
+  const std::vector<BookLevel> levels = book.levels();
+  ASSERT_EQ(levels.size(), 3U);
+  for (const BookLevel& level : levels)
+    zones.push_back(std::make_unique<BookZone>(book.domain, book.protection, spacing, book.spine, level,
+                                               level.parent ? zones[*level.parent].get() : nullptr));
+  Random random(6);
+  for (int i = 0; i < 5000; ++i) {
+    const Vec<2> x{zones[0]->length() * (0.3 + 0.4 * random.unit()), 0.3 * random.unit()};
+    for (std::size_t k = 0; k < zones.size(); ++k) {
+      const double sine = std::sin(levels[k].angle / 2), needed = f * (1 + std::sqrt(1 + 1 / (sine * sine)));
+      const bool below = levels[k].parent && zones[*levels[k].parent]->holds(x);
+      if (x[1] <= needed) {
+        EXPECT_EQ(zones[k]->holds(x), !below);
+      }
+      if (x[1] > 1.5 * needed || below) {
+        EXPECT_FALSE(zones[k]->holds(x));
+      }
+      const Vec<2> side{f, f};
+      const Box<2> box(x - side, x + side);
+      if (zones[k]->misses(box)) {
+        for (int j = 0; j < 20; ++j)
+          EXPECT_FALSE(zones[k]->holds(box.lo + Vec<2>{2 * f * random.unit(), 2 * f * random.unit()}));
+      }
+    }
+  }
 }
 
 TEST(Groups, JoinIsAnEquivalence) {

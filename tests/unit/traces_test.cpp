@@ -123,7 +123,7 @@ TEST(Traces, LetBooksReachToTheSides) {
   Protection<3> protection(c.domain);
   protection.books.join(c.spine, c.leaf, c.ground);
   const auto held = [&](const Protection<3>& p) {
-    const BookZone zone(p.domain(), p, c.spacing, c.spine, {c.leaf, c.ground});
+    const BookZone zone(p.domain(), p, c.spacing, c.spine, {{c.leaf, c.ground}});
     int n = 0;
     for (int i = 0; i < 40; ++i)
       for (int k = 0; k < 40; ++k) n += zone.holds({zone.length() * (i + 0.5) / 40, 0.4 * (k + 0.5) / 40}) ? 1 : 0;
