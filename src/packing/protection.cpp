@@ -88,8 +88,21 @@ double Protection<D>::clear_radius(const Intrusion<D>& it) const {
   return std::max(above, 0.5 * norm_sq(to) * it.ball.radius / dot(to, it.ball.center - it.nearest));
 }
 
+/// By T5 only the arc between two centers on the sphere is too long, and it is there alone that f shrinks: not along the
+/// whole triangle, which reaches to the corner.
+template <int D>
+auto Protection<D>::shorten_arc(const Intrusion<D>& it) const -> Cap {
+  const Vec<D> apex = domain_.points[*it.ball_corner];
+  const double radius = corner_radius(*it.ball_corner), cosine = 0.5 * radius / it.ball.radius;
+  const double half = radius * std::sqrt(std::max(0.0, 1 - cosine * cosine));
+  const Vec<D> middle = apex + (radius / it.ball.radius) * (it.ball.center - apex);
+  const double factor = std::clamp(0.9 * height(it) / half, kMostShrink, kLeastShrink);
+  return SpacingCap<D>{middle, half, factor * half, std::array{it.carrier, it.ball_carrier}};
+}
+
 template <int D>
 auto Protection<D>::shrink(const Intrusion<D>& it, double wanted, const Spacing<D>& spacing) -> Cap {
+  if (it.ball_corner) return shorten_arc(it);
   const double factor = std::clamp(0.9 * wanted / it.ball.radius, kMostShrink, kLeastShrink);
   return SpacingCap<D>{it.ball.center, it.ball.radius, factor * spacing(it.ball.center),
                        std::array{it.carrier, it.ball_carrier}};

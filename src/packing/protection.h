@@ -118,6 +118,8 @@ class Protection {
   bool ask_for_traces(PointId tip, PolytopeId a, PolytopeId b);
   /// f must shrink so that the ball's radius becomes `wanted`.
   Cap shrink(const Intrusion<D>& it, double wanted, const Spacing<D>& spacing);
+  /// The same for the ball of a corner's triangle.
+  [[nodiscard]] Cap shorten_arc(const Intrusion<D>& it) const;
   bool open_corner(PointId p, const Spacing<D>& spacing);
   bool shrink_corner(const Intrusion<D>& it);
   [[nodiscard]] double height(const Intrusion<D>& it) const;
