@@ -12,6 +12,7 @@ PATIENCE = 20  # Seconds that a loaded machine may need to stop; the program its
 class Interrupt(CommandLineTest):
     def interrupt_after(self, seconds, number=signal.SIGINT):
         self.write("box.poly", box_poly())
+        self.write("a.ele", "old")
         process = subprocess.Popen([PROGRAM, "mesh", "box.poly", "-o", "new/a.vtu", "-o", "a.node", "--report", "r.json",
                                     "--size", "0.01"], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    text=True)
@@ -27,7 +28,8 @@ class Interrupt(CommandLineTest):
         self.assertEqual(process.returncode, 128 + number, err)
         self.assertEqual(out, "")
         self.assertIn("interrupted", err)
-        self.assertEqual(self.names(), ["box.poly"])
+        self.assertEqual(self.names(), ["a.ele", "box.poly"])
+        self.assertEqual((self.folder / "a.ele").read_text(), "old")
 
     def test_at_once(self):
         self.interrupt_after(0.3)
