@@ -1,23 +1,17 @@
 // How many spheres a packing will need, from integrals of powers of 1 / f over the domain and its boundary.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
-#include "base/parallel.h"
+#include "base/adaptive.h"
 #include "packing/attribution.h"
+#include "spheres/lattice.h"
 #include "voropack/packing.h"
 
 namespace voropack {
 
 namespace {
-
-/// An integral over the boundary is wanted this accurately.
-constexpr double kAccuracy = 0.02;
-constexpr std::size_t kMaxPieces = 20'000;
-/// Pieces at the start, whatever the error, so that a small fine part is not overlooked.
-constexpr std::size_t kMinPieces = 512;
-/// Of the pieces, those whose error is at least this part of the largest are cut in one round.
-constexpr double kCutFraction = 0.25;
 
 /// A part of a segment (M = 1) or of a facet (M = 2).
 template <int D, int M>
@@ -25,6 +19,7 @@ struct Piece {
   std::array<Vec<D>, M + 1> corner;
   double integral = 0;
   double error = 0;
+  bool is_exact = false;  ///< f is constant on it.
 };
 
 template <int D>
@@ -42,6 +37,7 @@ void examine(Piece<D, M>& piece, const Spacing<D>& f) {
   for (const Vec<D>& x : piece.corner) box.add(x);
   if (const auto constant = f.constant_on(box)) {
     piece.integral = measure / std::pow(*constant, M);
+    piece.is_exact = true;
     return;
   }
   Vec<D> center;
@@ -72,34 +68,22 @@ std::array<Piece<D, M>, 2> halves(const Piece<D, M>& piece) {
   return result;
 }
 
-/// All pieces with their integrals of f^-M, cut in halves where they contribute most to the error of the sum.
+template <int D, int M>
+double relative_error(const std::vector<Piece<D, M>>& pieces) {
+  double integral = 0, error = 0;
+  for (const Piece<D, M>& piece : pieces) {
+    integral += piece.integral;
+    error += piece.error;
+  }
+  return error / integral;
+}
+
+/// All pieces with their integrals of f^-M.
 template <int D, int M>
 std::vector<Piece<D, M>> integrate(std::vector<Piece<D, M>> pieces, const Spacing<D>& f) {
-  std::size_t n_old = 0;  // Pieces from here on are new.
-  for (;;) {
-    parallel_for(
-        pieces.size() - n_old, [&](std::size_t i) { examine(pieces[n_old + i], f); }, 64);
-    double integral = 0, error = 0, largest = 0;
-    for (const Piece<D, M>& piece : pieces) {
-      integral += piece.integral;
-      error += piece.error;
-      largest = std::max(largest, piece.error);
-    }
-    const bool is_fine = pieces.size() >= kMinPieces && error <= kAccuracy * integral;
-    if (largest == 0 || is_fine || pieces.size() >= kMaxPieces) return pieces;
-    const double threshold = pieces.size() < kMinPieces ? 0.0 : kCutFraction * largest;
-    std::vector<Piece<D, M>> kept, cut;
-    for (const Piece<D, M>& piece : pieces) {
-      if (!(piece.error > 0 && piece.error >= threshold)) {
-        kept.push_back(piece);
-        continue;
-      }
-      for (const Piece<D, M>& half : halves(piece)) cut.push_back(half);
-    }
-    n_old = kept.size();
-    kept.insert(kept.end(), cut.begin(), cut.end());
-    pieces = std::move(kept);
-  }
+  return cut_adaptively(
+      std::move(pieces), [&](Piece<D, M>& piece, std::uint64_t /*round*/, std::size_t /*i*/) { examine(piece, f); },
+      halves<D, M>, relative_error<D, M>);
 }
 
 template <int D>
@@ -117,30 +101,55 @@ std::vector<Piece<3, 2>> integrate_over_facets(const Domain<3>& domain, const Sp
   return integrate(std::move(pieces), f);
 }
 
-/// Each piece by its center.
-template <int D, int M>
-void append(std::vector<CountedPoint<D>>& points, const std::vector<Piece<D, M>>& pieces, double weight) {
-  for (const Piece<D, M>& piece : pieces) {
-    Vec<D> center;
-    for (const Vec<D>& x : piece.corner) center += x / (M + 1.0);
-    points.push_back({center, M, weight * piece.integral});
-  }
-}
-
 /// Vertices per point and per unit of the integrals of 1 / f over segments, f^-2 over facets and f^-D over regions.
 /// Those of segments are negative in 3D because facets keep their centers 2 f away from them. Fitted to the counts of
-/// 216 meshes of 15 domains that needed no repair (docs/theory/packing.md); that of a lattice in space is its density.
+/// 216 meshes of 15 domains that needed no repair (docs/theory/packing.md).
 struct Weights {
   double points, segments, facets, regions;
 };
 
 template <int D>
-Weights weights_of(const PackingOptions& options) {
-  if (options.form != PackingForm::kVoronoi)
+Weights weights_of(PackingForm form) {
+  if (form != PackingForm::kVoronoi)
     return D == 3 ? Weights{1, -0.162, 0.0855, 0.0883} : Weights{-0.23, 0.201, 0, 0.165};
-  if (options.interior == Interior::kRandom)
-    return D == 3 ? Weights{1, -0.031, 0.070, 0.0915} : Weights{-0.65, 0.333, 0, 0.167};
-  return D == 3 ? Weights{1, -0.135, 0.1436, 0.0437} : Weights{-0.69, 0.508, 0, 0.096};
+  return D == 3 ? Weights{1, -0.031, 0.070, 0.0915} : Weights{-0.65, 0.333, 0, 0.167};
+}
+
+/// The same where a lattice fills the interior; its density is known.
+template <int D>
+constexpr Weights kLatticeWeights = D == 3 ? Weights{1, -0.135, 0.1436, 0} : Weights{-0.69, 0.508, 0, 0};
+
+/// Each piece by its center.
+template <int D, int M>
+void append(std::vector<CountedPoint<D>>& points, const std::vector<Piece<D, M>>& pieces, double weight,
+            double weight_if_constant) {
+  for (const Piece<D, M>& piece : pieces) {
+    Vec<D> center;
+    for (const Vec<D>& x : piece.corner) center += x / (M + 1.0);
+    points.push_back({center, M, (piece.is_exact ? weight_if_constant : weight) * piece.integral});
+  }
+}
+
+/// Spheres of a lattice per unit of the integral of f^-D where f is constant. Lattices come in few sizes, the coarsest
+/// of which fits the largest f: others are up to 3.5 times (in the plane 2.9 times) as dense as they had to be.
+template <int D>
+double lattice_density(const LatticeFamily<D>& lattices, double f) {
+  const double spheres_per_cell = D == 3 ? 2 : 2 / std::sqrt(3.0);
+  return spheres_per_cell * std::pow(f / lattices.side(*lattices.class_for(f, f)), D);
+}
+
+template <int D>
+void append_interior(std::vector<CountedPoint<D>>& points, const std::vector<IntegralSample<D>>& samples,
+                     const Spacing<D>& f, double weight, bool has_lattice) {
+  double largest = 0;
+  for (const IntegralSample<D>& sample : samples) largest = std::max(largest, f(sample.position));
+  const LatticeFamily<D> lattices({}, largest, 0);
+  for (const IntegralSample<D>& sample : samples) {
+    Box<D> near(sample.position, sample.position);
+    near.inflate(f(sample.position));
+    const std::optional<double> constant = has_lattice ? f.constant_on(near) : std::nullopt;
+    points.push_back({sample.position, D, sample.part * (constant ? lattice_density(lattices, *constant) : weight)});
+  }
 }
 
 }  // namespace
@@ -148,13 +157,13 @@ Weights weights_of(const PackingOptions& options) {
 template <int D>
 std::vector<CountedPoint<D>> estimated_points(const Domain<D>& domain, const Spacing<D>& spacing,
                                               const PackingOptions& options) {
-  const Weights w = weights_of<D>(options);
+  const bool has_lattice = options.form == PackingForm::kVoronoi && options.interior == Interior::kLattice;
+  const Weights w = weights_of<D>(options.form), where_constant = has_lattice ? kLatticeWeights<D> : w;
   std::vector<CountedPoint<D>> points;
   for (const Vec<D>& x : domain.points) points.push_back({x, 0, w.points});
-  append(points, integrate_over_segments(domain, spacing), w.segments);
-  if constexpr (D == 3) append(points, integrate_over_facets(domain, spacing), w.facets);
-  for (const IntegralSample<D>& sample : spacing.integral_samples(domain))
-    points.push_back({sample.position, D, w.regions * sample.part});
+  append(points, integrate_over_segments(domain, spacing), w.segments, where_constant.segments);
+  if constexpr (D == 3) append(points, integrate_over_facets(domain, spacing), w.facets, where_constant.facets);
+  append_interior(points, spacing.integral_samples(domain), spacing, w.regions, has_lattice);
   return points;
 }
 

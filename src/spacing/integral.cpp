@@ -4,30 +4,23 @@
 #include <cmath>
 #include <vector>
 
-#include "base/parallel.h"
+#include "base/adaptive.h"
 #include "base/random.h"
 
 namespace voropack {
 
 namespace {
 
-/// The integral is wanted this accurately, as a standard deviation.
-constexpr double kAccuracy = 0.02;
-constexpr std::size_t kMaxCells = 20'000;
-/// Cells at the start, whatever the error, so that a small fine region is not overlooked.
-constexpr std::size_t kMinCells = 512;
 /// Samples along each axis of a cell.
 constexpr int kSamples = 3;
-/// Of the cells, those whose error is at least this part of the largest are cut in one round.
-constexpr double kCutFraction = 0.25;
-
 template <int D>
 struct DensityCell {
   Box<D> box;
-  double integral = 0;  // Over the part of the cell in the domain.
-  double volume = 0;    // Of that part.
-  double error = 0;     // Standard deviation of `integral`, roughly.
-  Vec<D> sample;        // A point of the cell that is in the domain, drawn by its density; if integral > 0.
+  double integral = 0;    // Over the part of the cell in the domain.
+  double volume = 0;      // Of that part.
+  double error = 0;       // Standard deviation of `integral`, roughly.
+  bool is_exact = false;  // f is constant on the cell, which is in the domain as a whole or not at all.
+  Vec<D> sample;          // A point of the cell that is in the domain, drawn by its density; if integral > 0.
 };
 
 template <int D>
@@ -58,14 +51,18 @@ void examine(DensityCell<D>& cell, std::uint64_t key, const RegionLocator<D>& lo
   const Vec<D> center = cell.box.center();
   const double volume = volume_of(cell.box);
   const bool is_mixed = locator.meets_any_wall(center, 0.5 * cell.box.diagonal());
-  if (!is_mixed && !locator.in_domain(center)) return;
+  cell.is_exact = !is_mixed && !locator.in_domain(center);
+  if (cell.is_exact) return;
   const std::optional<double> constant = f.constant_on(cell.box);
-  if (!is_mixed && constant) {
+  cell.is_exact = !is_mixed && constant;
+  if (cell.is_exact) {
     cell.volume = volume;
     cell.integral = volume / std::pow(*constant, D);
     cell.sample = center;
     return;
   }
+  // Relative to the density at the center, for squares of densities may overflow.
+  const double at_center = constant ? *constant : f(center), unit = volume / std::pow(at_center, D);
   const int n = sample_count<D>();
   int n_inside = 0;
   double sum = 0;
@@ -73,28 +70,41 @@ void examine(DensityCell<D>& cell, std::uint64_t key, const RegionLocator<D>& lo
   for (int i = 0; i < n; ++i) {
     const Vec<D> x = sample_point(cell.box, i, key);
     if (is_mixed && !locator.in_domain(x)) continue;
-    const double density = 1 / std::pow(constant ? *constant : f(x), D);
+    const double density = constant ? 1 : std::pow(at_center / f(x), D);
     ++n_inside;
     sum += density;
     sum_sq += density * density;
     if (to_unit(hash_words(key, i, D)) * sum < density) cell.sample = x;
   }
   cell.volume = volume * n_inside / n;
-  cell.integral = volume * sum / n;
+  cell.integral = unit * sum / n;
   // A cell that meets a wall is taken to hold something even if no sample fell into the domain.
-  const double least_sq = is_mixed && n_inside == 0 ? 1 / std::pow(f(center), 2 * D) : 0.0;
+  const double least_sq = is_mixed && n_inside == 0 ? 1.0 : 0.0;
   const double variance = std::max(sum_sq / n - (sum / n) * (sum / n), least_sq / n);
-  cell.error = volume * std::sqrt(variance / n);
+  cell.error = unit * std::sqrt(variance / n);
 }
 
 template <int D>
-std::array<Box<D>, 2> halves(const Box<D>& box) {
+std::array<DensityCell<D>, 2> halves(const DensityCell<D>& cell) {
+  const Box<D>& box = cell.box;
   int axis = 0;
   for (int k = 1; k < D; ++k)
     if (box.hi[k] - box.lo[k] > box.hi[axis] - box.lo[axis]) axis = k;
-  std::array<Box<D>, 2> result = {box, box};
-  result[0].hi[axis] = result[1].lo[axis] = box.center()[axis];
+  std::array<DensityCell<D>, 2> result;
+  for (DensityCell<D>& half : result) half.box = box;
+  result[0].box.hi[axis] = result[1].box.lo[axis] = box.center()[axis];
   return result;
+}
+
+/// The standard deviation of the sum by the sum.
+template <int D>
+double relative_error(const std::vector<DensityCell<D>>& cells) {
+  double integral = 0, error_sq = 0;
+  for (const DensityCell<D>& cell : cells) {
+    integral += cell.integral;
+    error_sq += cell.error * cell.error;
+  }
+  return std::sqrt(error_sq) / integral;
 }
 
 /// The cells of the sum, with the factor that scales the sampled volume to the true one.
@@ -115,7 +125,7 @@ double measure_of(const Domain<D>& domain) {
 template <int D>
 DensityCells<D> single_cell(const Domain<D>& domain, double f) {
   const double measure = measure_of(domain);
-  return {{{domain.box, measure / std::pow(f, D), measure, 0, domain.box.center()}}, 1};
+  return {{{domain.box, measure / std::pow(f, D), measure, 0, true, domain.box.center()}}, 1};
 }
 
 template <int D>
@@ -123,36 +133,16 @@ DensityCells<D> cut_into_cells(const Domain<D>& domain, const RegionLocator<D>& 
   if (const auto constant = f.constant_on(domain.box)) return single_cell(domain, *constant);
   std::vector<DensityCell<D>> cells(1);
   cells[0].box = domain.box;
-  std::size_t n_old = 0;  // Cells from here on are new.
-  for (std::uint64_t round = 0;; ++round) {
-    parallel_for(
-        cells.size() - n_old, [&](std::size_t i) { examine(cells[n_old + i], hash_words(round, i), locator, f); }, 16);
-    double integral = 0, volume = 0, error_sq = 0, largest = 0;
-    for (const DensityCell<D>& cell : cells) {
-      integral += cell.integral;
-      volume += cell.volume;
-      error_sq += cell.error * cell.error;
-      largest = std::max(largest, cell.error);
-    }
-    const bool is_fine = cells.size() >= kMinCells && std::sqrt(error_sq) <= kAccuracy * integral;
-    if (largest == 0 || is_fine || cells.size() >= kMaxCells) {
-      if (!(volume > 0)) return single_cell(domain, f(domain.box.center()));
-      return {std::move(cells), measure_of(domain) / volume};
-    }
-    const double threshold = cells.size() < kMinCells ? 0.0 : kCutFraction * largest;
-    std::vector<DensityCell<D>> kept;
-    std::vector<DensityCell<D>> cut;
-    for (const DensityCell<D>& cell : cells) {
-      if (!(cell.error > 0 && cell.error >= threshold)) {
-        kept.push_back(cell);
-        continue;
-      }
-      for (const Box<D>& half : halves(cell.box)) cut.push_back({half, 0, 0, 0, {}});
-    }
-    n_old = kept.size();
-    kept.insert(kept.end(), cut.begin(), cut.end());
-    cells = std::move(kept);
-  }
+  cells = cut_adaptively(
+      std::move(cells),
+      [&](DensityCell<D>& cell, std::uint64_t round, std::size_t i) {
+        examine(cell, hash_words(round, i), locator, f);
+      },
+      halves<D>, relative_error<D>);
+  double volume = 0;
+  for (const DensityCell<D>& cell : cells) volume += cell.volume;
+  if (!(volume > 0)) return single_cell(domain, f(domain.box.center()));
+  return {std::move(cells), measure_of(domain) / volume};
 }
 
 }  // namespace
