@@ -22,6 +22,7 @@
 #include "base/random.h"
 #include "geom/bowyer_watson.h"
 #include "geom/hilbert.h"
+#include "support/point_sets.h"
 
 namespace voropack {
 namespace {
@@ -41,20 +42,8 @@ double peak_bytes() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
-template <int K>
-Vec<K> random_point(Random& random) {
-  Vec<K> p;
-  for (int k = 0; k < K; ++k) p[k] = random.unit();
-  return p;
-}
-
-template <int K>
-Points<K> random_points(std::size_t n) {
-  Random random(1);
-  Points<K> points(n);
-  for (Vec<K>& p : points) p = random_point<K>(random);
-  return points;
-}
+using test::random_point;
+using test::random_points;
 
 template <int K>
 Points<K> sorted_points(std::size_t n) {
@@ -64,38 +53,10 @@ Points<K> sorted_points(std::size_t n) {
   return sorted;
 }
 
-/// A grid and the centers of its cells: body-centered cubic in 3D.
+/// The number per axis of a grid of about n points.
 template <int K>
-Points<K> centered_lattice(std::size_t n, double step) {
-  const int m = static_cast<int>(std::lround(std::pow(static_cast<double>(n) / 2, 1.0 / K)));
-  Points<K> points;
-  for (int k = 0; k < (K == 3 ? m : 1); ++k)
-    for (int j = 0; j < m; ++j)
-      for (int i = 0; i < m; ++i)
-        for (const double shift : {0.0, 0.5}) {
-          Vec<K> p;
-          p[0] = (i + shift) * step;
-          p[1] = (j + shift) * step;
-          if constexpr (K == 3) p[2] = (k + shift) * step;
-          points.push_back(p);
-        }
-  return points;
-}
-
-template <int K>
-Points<K> grid(std::size_t n, double step) {
-  const int m = static_cast<int>(std::lround(std::pow(static_cast<double>(n), 1.0 / K)));
-  Points<K> points;
-  for (int k = 0; k < (K == 3 ? m : 1); ++k)
-    for (int j = 0; j < m; ++j)
-      for (int i = 0; i < m; ++i) {
-        Vec<K> p;
-        p[0] = i * step;
-        p[1] = j * step;
-        if constexpr (K == 3) p[2] = k * step;
-        points.push_back(p);
-      }
-  return points;
+int per_axis(double n) {
+  return static_cast<int>(std::lround(std::pow(n, 1.0 / K)));
 }
 
 /// A thick layer around the unit sphere, as a packing leaves it between a lattice and a boundary.
@@ -104,11 +65,8 @@ Points<K> shell(std::size_t n) {
   Random random(2);
   Points<K> points;
   while (points.size() < n) {
-    const Vec<K> p = 2.2 * random_point<K>(random) - Vec<K>{} + [] {
-      Vec<K> c;
-      for (int k = 0; k < K; ++k) c[k] = -1.1;
-      return c;
-    }();
+    Vec<K> p = 2.2 * random_point<K>(random);
+    for (int k = 0; k < K; ++k) p[k] -= 1.1;
     if (norm(p) > 1.0 && norm(p) < 1.03) points.push_back(p);
   }
   return points;
@@ -188,10 +146,11 @@ void compare_all(std::size_t n, std::string_view wanted, int repetitions) {
   const double step = 1.0 / std::pow(static_cast<double>(n), 1.0 / K);
   compare<K>("random", wanted, repetitions, random_points<K>(n));
   compare<K>("random, sorted", wanted, repetitions, sorted_points<K>(n));
-  compare<K>("centered lattice of integers", wanted, repetitions, centered_lattice<K>(n, 1.0));
-  compare<K>("centered lattice, rounded", wanted, repetitions, centered_lattice<K>(n, step));
-  compare<K>("grid of integers", wanted, repetitions, grid<K>(n, 1.0));
-  compare<K>("grid, rounded", wanted, repetitions, grid<K>(n, step));
+  const int n_grid = per_axis<K>(static_cast<double>(n)), n_centered = per_axis<K>(static_cast<double>(n) / 2);
+  compare<K>("centered lattice of integers", wanted, repetitions, test::centered_points<K>(n_centered, 1.0));
+  compare<K>("centered lattice, rounded", wanted, repetitions, test::centered_points<K>(n_centered, step));
+  compare<K>("grid of integers", wanted, repetitions, test::grid_points<K>(n_grid, 1.0));
+  compare<K>("grid, rounded", wanted, repetitions, test::grid_points<K>(n_grid, step));
   compare<K>("shell", wanted, repetitions, shell<K>(n));
   compare<K>("graded", wanted, repetitions, graded<K>(n));
 }
