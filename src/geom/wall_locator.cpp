@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "base/random.h"
 #include "voropack/error.h"
@@ -14,7 +13,6 @@ namespace {
 
 /// A ray that passes this near to the border of a wall, in barycentric coordinates, decides nothing.
 constexpr double kBorderMargin = 1e-9;
-constexpr std::uint32_t kLeafSize = 4;
 
 template <int K>
 Box<K> box_of(const std::array<Vec<K>, K>& simplex) {
@@ -95,38 +93,11 @@ bool plane_misses(const std::array<Vec<K>, K>& s, const Box<K>& box) {
 }  // namespace
 
 template <int K>
-WallLocator<K>::WallLocator(Walls<K> walls) : walls_(std::move(walls)), order_(walls_.simplices.size()) {
-  std::iota(order_.begin(), order_.end(), 0U);
-  if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()));
-}
-
-template <int K>
-std::uint32_t WallLocator<K>::build(std::uint32_t begin, std::uint32_t end) {
-  const auto id = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.push_back({});
-  Box<K> box, centers;
-  for (std::uint32_t i = begin; i < end; ++i) {
-    const Box<K> b = box_of<K>(walls_.simplices[order_[i]]);
-    box.add(b);
-    centers.add(b.center());
-  }
-  std::uint32_t right = 0;
-  if (end - begin > kLeafSize) {
-    int axis = 0;
-    for (int k = 1; k < K; ++k)
-      if (centers.hi[k] - centers.lo[k] > centers.hi[axis] - centers.lo[axis]) axis = k;
-    const std::uint32_t middle = (begin + end) / 2;
-    const auto key = [&](std::uint32_t w) { return box_of<K>(walls_.simplices[w]).center()[axis]; };
-    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                     [&](std::uint32_t a, std::uint32_t b) {
-                       const double ka = key(a), kb = key(b);
-                       return ka < kb || (ka == kb && a < b);
-                     });
-    build(begin, middle);
-    right = build(middle, end);
-  }
-  nodes_[id] = {box, begin, end, right};
-  return id;
+WallLocator<K>::WallLocator(Walls<K> walls) : walls_(std::move(walls)) {
+  std::vector<Box<K>> boxes;
+  boxes.reserve(walls_.simplices.size());
+  for (const auto& simplex : walls_.simplices) boxes.push_back(box_of<K>(simplex));
+  tree_ = BoxTree<K>(boxes);
 }
 
 template <int K>
@@ -169,29 +140,17 @@ typename WallLocator<K>::Ray WallLocator<K>::cast(const Vec<K>& x, const Vec<K>&
   for (int k = 0; k < K; ++k) inverse[k] = 1 / direction[k];
   double best = std::numeric_limits<double>::infinity(), unclear = best;
   region = Walls<K>::kOutside;
-  std::array<std::uint32_t, 64> stack;
-  std::size_t size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const std::uint32_t id = stack[--size];
-    const Node& node = nodes_[id];
-    if (!ray_meets(node.box, x, inverse, best)) continue;
-    if (node.right != 0) {
-      stack[size++] = node.right;
-      stack[size++] = id + 1;
-      continue;
-    }
-    for (std::uint32_t i = node.begin; i < node.end; ++i) {
-      double t = 0;
-      int side = 0;
-      const Ray result = hit(order_[i], x, direction, t, side);
-      if (result == Ray::kUnclear) unclear = std::min(unclear, t);
-      if (result == Ray::kHit && t < best) {
-        best = t;
-        region = walls_.regions[order_[i]][static_cast<std::size_t>(side)];
-      }
-    }
-  }
+  tree_.for_each([&](const Box<K>& box) { return ray_meets(box, x, inverse, best); },
+                 [&](std::uint32_t wall) {
+                   double t = 0;
+                   int side = 0;
+                   const Ray result = hit(wall, x, direction, t, side);
+                   if (result == Ray::kUnclear) unclear = std::min(unclear, t);
+                   if (result == Ray::kHit && t < best) {
+                     best = t;
+                     region = walls_.regions[wall][static_cast<std::size_t>(side)];
+                   }
+                 });
   // What lies behind the nearest clear hit does not matter.
   return unclear <= best * (1 + kBorderMargin) && unclear < std::numeric_limits<double>::infinity() ? Ray::kUnclear
                                                                                                     : Ray::kHit;
@@ -201,7 +160,7 @@ template <int K>
 int WallLocator<K>::region(const Vec<K>& x) const {
   constexpr int kMaxAttempts = 64;
   int region = Walls<K>::kOutside;
-  if (!nodes_[0].box.contains(x)) return region;
+  if (empty() || !tree_.nodes()[0].box.contains(x)) return region;
   for (int attempt = 0; attempt < kMaxAttempts; ++attempt)
     if (cast(x, generic_direction<K>(attempt), region) == Ray::kHit) return region;
   return Walls<K>::kOutside;
@@ -209,47 +168,22 @@ int WallLocator<K>::region(const Vec<K>& x) const {
 
 template <int K>
 bool WallLocator<K>::touches(const Box<K>& box) const {
-  if (nodes_.empty()) return false;
-  std::array<std::uint32_t, 64> stack;
-  std::size_t size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const std::uint32_t id = stack[--size];
-    const Node& node = nodes_[id];
-    if (!node.box.overlaps(box)) continue;
-    if (node.right != 0) {
-      stack[size++] = node.right;
-      stack[size++] = id + 1;
-      continue;
-    }
-    for (std::uint32_t i = node.begin; i < node.end; ++i) {
-      const auto& s = walls_.simplices[order_[i]];
-      if (box_of<K>(s).overlaps(box) && !plane_misses<K>(s, box)) return true;
-    }
-  }
-  return false;
+  bool found = false;
+  tree_.for_each([&](const Box<K>& b) { return !found && b.overlaps(box); },
+                 [&](std::uint32_t wall) {
+                   const auto& s = walls_.simplices[wall];
+                   found = found || (box_of<K>(s).overlaps(box) && !plane_misses<K>(s, box));
+                 });
+  return found;
 }
 
 template <int K>
 bool WallLocator<K>::is_near(const Vec<K>& x, double distance) const {
-  if (nodes_.empty()) return false;
   const double limit = distance * distance;
-  std::array<std::uint32_t, 64> stack;
-  std::size_t size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const std::uint32_t id = stack[--size];
-    const Node& node = nodes_[id];
-    if (node.box.distance_sq(x) >= limit) continue;
-    if (node.right != 0) {
-      stack[size++] = node.right;
-      stack[size++] = id + 1;
-      continue;
-    }
-    for (std::uint32_t i = node.begin; i < node.end; ++i)
-      if (distance_sq_to(walls_.simplices[order_[i]], x) < limit) return true;
-  }
-  return false;
+  bool found = false;
+  tree_.for_each([&](const Box<K>& b) { return !found && b.distance_sq(x) < limit; },
+                 [&](std::uint32_t wall) { found = found || distance_sq_to(walls_.simplices[wall], x) < limit; });
+  return found;
 }
 
 template class WallLocator<2>;

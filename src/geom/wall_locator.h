@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "geom/box_tree.h"
 #include "voropack/vec.h"
 
 namespace voropack {
@@ -34,20 +35,13 @@ class WallLocator {
   [[nodiscard]] bool is_near(const Vec<K>& x, double distance) const;
 
  private:
-  struct Node {
-    Box<K> box;
-    std::uint32_t begin, end;  ///< Range of `order_`; a leaf if right == 0.
-    std::uint32_t right;       ///< Index of the right child; the left one follows its parent.
-  };
   enum class Ray : std::uint8_t { kMiss, kHit, kUnclear };
 
-  std::uint32_t build(std::uint32_t begin, std::uint32_t end);
   Ray cast(const Vec<K>& x, const Vec<K>& direction, int& region) const;
   Ray hit(std::uint32_t wall, const Vec<K>& x, const Vec<K>& direction, double& t, int& side) const;
 
   Walls<K> walls_;
-  std::vector<std::uint32_t> order_;
-  std::vector<Node> nodes_;
+  BoxTree<K> tree_;
 };
 
 }  // namespace voropack

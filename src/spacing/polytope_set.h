@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "geom/box_tree.h"
 #include "geom/polytope_distance.h"
-#include "spacing/box_tree.h"
 #include "voropack/domain.h"
 
 namespace voropack {

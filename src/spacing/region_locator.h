@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "spacing/box_tree.h"
+#include "geom/box_tree.h"
 #include "spacing/polytope_set.h"
 #include "voropack/domain.h"
 

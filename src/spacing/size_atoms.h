@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "spacing/box_tree.h"
+#include "geom/box_tree.h"
 #include "spacing/polytope_set.h"
 #include "spacing/region_locator.h"
 #include "voropack/domain.h"
