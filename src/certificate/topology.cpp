@@ -65,6 +65,8 @@ template <int D>
 void Topology<D>::read_simplices(Tally& faults) {
   const std::size_t n = mesh_.simplex_vertices.size();
   state_.assign(n, 0);
+  // Atomic also to read: other threads mark vertices as used meanwhile.
+  const auto flags_of = [&](VertexId v) { return std::atomic_ref<std::uint8_t>(vertex_state_[v.value()]); };
   faults += parallel_reduce_ordered(
       n, kBlock, Tally{},
       [&](std::size_t begin, std::size_t end) {
@@ -73,7 +75,8 @@ void Topology<D>::read_simplices(Tally& faults) {
           const auto& v = mesh_.simplex_vertices[SimplexId(s)];
           bool good = true;
           for (const VertexId corner : v) {
-            if (corner.is_none() || corner.value() >= vertex_state_.size() || !finite(corner.value())) {
+            if (corner.is_none() || corner.value() >= vertex_state_.size() ||
+                (flags_of(corner).load(std::memory_order_relaxed) & kFinite) == 0) {
               tally.fault(kInvalidCorner, kNoFigure, static_cast<std::uint32_t>(s));
               good = false;
               break;
@@ -88,7 +91,7 @@ void Topology<D>::read_simplices(Tally& faults) {
             continue;
           }
           for (const VertexId corner : v) {
-            std::atomic_ref<std::uint8_t> flags(vertex_state_[corner.value()]);
+            const auto flags = flags_of(corner);
             if ((flags.load(std::memory_order_relaxed) & kUsed) == 0) flags.fetch_or(kUsed, std::memory_order_relaxed);
           }
         }
