@@ -51,7 +51,7 @@ std::vector<std::uint32_t> vertex_order(const Packing<D>& packing) {
   });
   parallel_sort(keys.begin(), keys.end());
   std::vector<std::uint32_t> order(n);
-  for (std::uint32_t v = 0; v < n; ++v) order[keys[v].second] = v;
+  parallel_for(n, [&](std::size_t v) { order[keys[v].second] = static_cast<std::uint32_t>(v); });
   return order;
 }
 
@@ -115,13 +115,14 @@ void add_vertices(const Domain<D>& domain, const Packing<D>& packing, const std:
   mesh.vertex_spacing.resize(n);
   mesh.vertex_marker.resize(n);
   mesh.vertex_carrier_dimension.resize(n);
-  for (const SphereId s : ids(packing.center)) {
-    const VertexId v(order[s.value()]);
+  parallel_for(n, [&](std::size_t i) {
+    const SphereId s(i);
+    const VertexId v(order[i]);
     mesh.points[v] = packing.center[s];
     mesh.vertex_spacing[v] = packing.radius[s];
     mesh.vertex_carrier_dimension[v] = static_cast<std::uint8_t>(packing.carrier[s].dimension);
     mesh.vertex_marker[v] = marker_of(domain, packing.carrier[s]);
-  }
+  });
 }
 
 template <int D>

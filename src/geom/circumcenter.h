@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "base/lanes.h"
 #include "voropack/vec.h"
 
 namespace voropack {
@@ -21,6 +22,27 @@ Vec<D> circumcenter_offset(const std::array<Vec<D>, D + 1>& simplex);
 /// D! times the signed volume of a simplex: to 1e-13 relatively, however flat, and 0 only if it is flat.
 template <int D>
 double simplex_determinant(const std::array<Vec<D>, D + 1>& simplex);
+
+/// Two simplices, corner by corner.
+template <int D>
+using SimplexPair = std::array<std::array<Lanes, D>, D + 1>;
+
+template <int D>
+SimplexPair<D> simplex_pair(const std::array<Vec<D>, D + 1>& first, const std::array<Vec<D>, D + 1>& second) {
+  SimplexPair<D> pair;
+  for (std::size_t i = 0; i <= D; ++i)
+    for (std::size_t k = 0; k < D; ++k) pair[i][k] = Lanes(first[i].coord[k], second[i].coord[k]);
+  return pair;
+}
+
+/// `circumcenter_offset` and `simplex_determinant` of two simplices, to the bit.
+template <int D>
+struct CircumcenterPair {
+  std::array<Lanes, D> offset;
+  Lanes determinant;
+};
+template <int D>
+CircumcenterPair<D> circumcenter_pair(const SimplexPair<D>& simplices);
 
 /// The circumcenter in plain double precision: accurate while the simplex is far from flat. Not finite if it is flat.
 inline Vec<2> fast_circumcenter(const std::array<Vec<2>, 3>& s) {

@@ -29,6 +29,14 @@ NumberVec<S, D> difference(const Vec<D>& p, const Vec<D>& q) {
   return r;
 }
 
+/// The same for points that are given as numbers themselves.
+template <class S, std::size_t D>
+NumberVec<S, D> difference(const NumberVec<S, D>& p, const NumberVec<S, D>& q) {
+  NumberVec<S, D> r;
+  for (std::size_t k = 0; k < D; ++k) r[k] = p[k] - q[k];
+  return r;
+}
+
 template <class S>
 S dot(const NumberVec<S, 2>& a, const NumberVec<S, 2>& b) {
   return a[0] * b[0] + a[1] * b[1];

@@ -34,16 +34,15 @@ class Cell {
     cell_ = cell;
     site_ = mesh_.points[v];
     corners_.clear();
-    bisectors_.clear();
     walls_.clear();
-    for (const SimplexId s : simplices) add_simplex(v, s);
-    if (!walls_.empty()) corners_.push_back(Vec<D>{});
+    for (const SimplexId s : simplices) add_corners(v, s);
+    if (!walls_.empty()) corners_.push_back(Vec<D>{}.coord);
     const double outer = smallest_enclosing_ball<D>(corners_).radius;
-    walls_.insert(walls_.end(), bisectors_.begin(), bisectors_.end());
-    double inner = largest_inscribed_ball<D>(walls_, outer).radius;
+    find_bisectors(v, simplices);
+    double inner = ball_within(walls_, outer);
     // At a corner that is so far from convex that no point sees all walls: the largest ball of any one simplex's part.
     if (!(inner > kThinBall * outer)) {
-      for (const SimplexId s : simplices) inner = std::max(inner, ball_in_simplex(v, s, outer));
+      for (const SimplexId s : simplices) inner = std::max(inner, ball_within(sides(v, s), outer));
     }
     const double ratio = outer / inner;
     return ratio > 0 ? ratio : std::numeric_limits<double>::infinity();  // Also for NaN.
@@ -52,24 +51,21 @@ class Cell {
  private:
   static constexpr double kThinBall = 1e-6;
 
-  void add_simplex(VertexId v, SimplexId s) {
-    corners_.push_back(figures_.circumcenter[s] - site_);
+  void add_corners(VertexId v, SimplexId s) {
+    corners_.push_back((figures_.circumcenter[s] - site_).coord);
     const unsigned walls = figures_.walls[s];
-    for (int i = 0; i <= D; ++i) {
-      const VertexId apex = mesh_.simplex_vertices[s][static_cast<std::size_t>(i)];
-      if (apex == v) continue;
-      add_bisector(apex);
-      if ((walls >> static_cast<unsigned>(i) & 1U) != 0) add_wall(v, s, i);
-    }
+    for (int i = 0; walls != 0 && i <= D; ++i)
+      if ((walls >> static_cast<unsigned>(i) & 1U) != 0 && mesh_.simplex_vertices[s][static_cast<std::size_t>(i)] != v)
+        add_wall(v, s, i);
   }
 
   /// A face at v where the region ends.
   void add_wall(VertexId v, SimplexId s, int i) {
     const std::array<Vec<D>, D> face = positions(s, i);
-    corners_.push_back(face_circumcenter(face) - site_);
+    corners_.push_back((face_circumcenter(face) - site_).coord);
     if constexpr (D == 3) {
       for (const VertexId w : face_vertices(mesh_, s, i))
-        if (w != v) corners_.push_back(0.5 * (mesh_.points[w] - site_));
+        if (w != v) corners_.push_back((0.5 * (mesh_.points[w] - site_)).coord);
     }
     walls_.push_back(wall(face));
   }
@@ -81,32 +77,76 @@ class Cell {
     return face;
   }
 
-  static HalfSpace<D> wall(const std::array<Vec<D>, D>& face) {
+  /// The normal of the half-space that has the face, and with it the site, on its boundary.
+  static Vec<D> wall(const std::array<Vec<D>, D>& face) {
     const Vec<D> normal = outward_normal(face);
-    return {normal / norm(normal), 0.0};
+    return normal / norm(normal);
   }
 
-  void add_bisector(VertexId w) {
-    if (seen_by_[w] == cell_) return;
-    seen_by_[w] = cell_;
-    const Vec<D> edge = mesh_.points[w] - site_;
-    const double length = norm(edge);
-    bisectors_.push_back({edge / length, 0.5 * length});
+  void find_bisectors(VertexId v, std::span<const SimplexId> simplices) {
+    const std::size_t n = find_neighbors(v, simplices);
+    neighbors_[n] = neighbors_[n - 1];  // For a last pair of one.
+    bisectors_.clear();
+    for (std::size_t k = 0; k < n; k += 2) {
+      const Vec<D>&first = mesh_.points[neighbors_[k]], &second = mesh_.points[neighbors_[k + 1]];
+      std::array<Lanes, D + 1> row;
+      Lanes length_sq = 0.0;
+      for (std::size_t i = 0; i < D; ++i) {
+        row[i] = Lanes(first.coord[i], second.coord[i]) - Lanes(site_.coord[i]);
+        length_sq = length_sq + square(row[i]);
+      }
+      const Lanes length = sqrt(length_sq), scale = Lanes(1.0) / length;
+      for (std::size_t i = 0; i < D; ++i) row[i] = row[i] * scale;
+      row[D] = Lanes(0.5) * length;
+      bisectors_.push_back(row);
+    }
   }
 
-  double ball_in_simplex(VertexId v, SimplexId s, double size) {
-    std::vector<HalfSpace<D>> part = bisectors_;
+  /// Their number; they and one place more are in `neighbors_`.
+  std::size_t find_neighbors(VertexId v, std::span<const SimplexId> simplices) {
+    // Which corner is seen for the first time cannot be predicted, so there is no branch: one that was seen before is
+    // overwritten by the next.
+    neighbors_.resize(std::max(neighbors_.size(), simplices.size() * (D + 1) + 1));
+    std::size_t n = 0;
+    seen_by_[v] = cell_;
+    for (const SimplexId s : simplices) {
+      for (const VertexId w : mesh_.simplex_vertices[s]) {
+        neighbors_[n] = w;
+        n += seen_by_[w] != cell_ ? 1U : 0U;
+        seen_by_[w] = cell_;
+      }
+    }
+    return n;
+  }
+
+  /// The radius of the largest ball within the bisectors and walls through the site.
+  double ball_within(const std::vector<Vec<D>>& walls, double size) {
+    if (walls.empty()) return largest_inscribed_ball<D>(bisectors_, size).radius;
+    half_spaces_ = bisectors_;
+    for (const Vec<D>& normal : walls) {
+      std::array<double, D + 1> row{};
+      std::copy(normal.coord.begin(), normal.coord.end(), row.begin());
+      half_spaces_.push_back(row);
+    }
+    return largest_inscribed_ball<D>(half_spaces_, size).radius;
+  }
+
+  /// The walls between which the simplex lies as seen from v.
+  std::vector<Vec<D>> sides(VertexId v, SimplexId s) const {
+    std::vector<Vec<D>> normals;
     for (int i = 0; i <= D; ++i)
-      if (mesh_.simplex_vertices[s][static_cast<std::size_t>(i)] != v) part.push_back(wall(positions(s, i)));
-    return largest_inscribed_ball<D>(part, size).radius;
+      if (mesh_.simplex_vertices[s][static_cast<std::size_t>(i)] != v) normals.push_back(wall(positions(s, i)));
+    return normals;
   }
 
   const Mesh<D>& mesh_;
   const SimplexFigures<D>& figures_;
   CellId cell_;
   Vec<D> site_;
-  std::vector<Vec<D>> corners_;
-  std::vector<HalfSpace<D>> walls_, bisectors_;
+  PointRows<D> corners_;
+  HalfSpaceRows<D> bisectors_, half_spaces_;
+  std::vector<Vec<D>> walls_;           ///< Normals.
+  std::vector<VertexId> neighbors_;     ///< Of the site; room for more.
   IdVector<VertexId, CellId> seen_by_;  ///< The last cell that has a bisector with this vertex.
 };
 

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <utility>
-#include <vector>
 
 namespace voropack {
 
@@ -15,56 +13,6 @@ namespace {
 
 constexpr double kTolerance = 1e-9;  // Relative to the ball; far below what a quality figure can tell apart.
 constexpr int kMaxSteps = 200;       // A dozen suffice; rounding could make the methods cycle.
-
-/// Rows of numbers, column by column, so that loops over the rows take several at a time.
-template <std::size_t kColumns>
-class Columns {
- public:
-  /// `row(k)` is an array of kColumns numbers. The first row is repeated to fill up the last group.
-  template <class Row>
-  Columns(std::size_t n, const Row& row) : n_((n + kGroup - 1) / kGroup * kGroup) {
-    if (n_ > kInline) heap_.resize(n_ * (kColumns + 1));
-    double* const first = n_ > kInline ? heap_.data() : inline_.data();
-    for (std::size_t c = 0; c < kColumns; ++c) column_[c] = first + c * n_;
-    result_ = first + kColumns * n_;
-    for (std::size_t k = 0; k < n_; ++k) {
-      const auto& values = row(k < n ? k : 0);
-      for (std::size_t c = 0; c < kColumns; ++c) column_[c][k] = values[c];
-    }
-  }
-  Columns(const Columns&) = delete;
-  Columns& operator=(const Columns&) = delete;
-
-  /// The largest of fn(column 0, column 1, ...) over all rows; -infinity if none is a number.
-  template <class Fn>
-  double largest(const Fn& fn) {
-    for (std::size_t k = 0; k < n_; ++k) result_[k] = [&]<std::size_t... C>(std::index_sequence<C...>) {
-        return fn(column_[C][k]...);
-      }
-    (std::make_index_sequence<kColumns>{});
-    std::array<double, kGroup> best;
-    best.fill(-std::numeric_limits<double>::infinity());
-    for (std::size_t k = 0; k < n_; k += kGroup)
-      for (std::size_t lane = 0; lane < kGroup; ++lane) best[lane] = std::max(best[lane], result_[k + lane]);
-    return *std::max_element(best.begin(), best.end());
-  }
-
-  /// The first row at which the last call of `largest` found `value`; 0 if there is none.
-  [[nodiscard]] std::size_t row_of(double value) const {
-    const double* const place = std::find(result_, result_ + n_, value);
-    return place == result_ + n_ ? 0 : static_cast<std::size_t>(place - result_);
-  }
-
- private:
-  static constexpr std::size_t kGroup = 4;
-  static constexpr std::size_t kInline = 64;  // Rows; more than most cells have corners or neighbors.
-
-  std::size_t n_;
-  std::array<double*, kColumns> column_;
-  double* result_;
-  std::array<double, kInline*(kColumns + 1)> inline_;
-  std::vector<double> heap_;
-};
 
 /// The points on the sphere of the current ball.
 template <int D>
@@ -110,14 +58,16 @@ bool sphere_through(const Spokes<D>& spokes, const Subset<D>& subset, Ball<D>& b
   // center - p = sum_k t_k v_k with v_k = q_k - p and 2 v_i.(center - p) = |v_i|^2. The matrix is a Gram matrix:
   // elimination keeps it symmetric and needs no pivoting, and a small pivot means dependence.
   std::array<std::array<double, N + 1>, N> row;  // The upper triangle and the right-hand side.
+  std::array<double, N> inverse_pivot;
   for (std::size_t i = 0; i < N; ++i) {
     for (std::size_t j = i; j < N; ++j) row[i][j] = spokes.twice_dot[subset.member[i]][subset.member[j]];
     row[i][N] = spokes.length_sq[subset.member[i]];
   }
   for (std::size_t k = 0; k < N; ++k) {
     if (!(row[k][k] > 1e-12 * spokes.length_sq[subset.member[k]])) return false;
+    inverse_pivot[k] = 1 / row[k][k];
     for (std::size_t i = k + 1; i < N; ++i) {
-      const double factor = row[k][i] / row[k][k];
+      const double factor = row[k][i] * inverse_pivot[k];
       for (std::size_t j = i; j <= N; ++j) row[i][j] -= factor * row[k][j];
     }
   }
@@ -126,7 +76,7 @@ bool sphere_through(const Spokes<D>& spokes, const Subset<D>& subset, Ball<D>& b
   for (std::size_t k = N; k-- > 0;) {
     double t = row[k][N];
     for (std::size_t j = k + 1; j < N; ++j) t -= row[k][j] * row[j][N];
-    t /= row[k][k];
+    t *= inverse_pivot[k];
     if (t < 0) return false;
     row[k][N] = t;
     weight_of_p -= t;
@@ -192,26 +142,33 @@ bool enlarge(Support<D>& support, const Vec<D>& p, Ball<D>& ball) {
   return false;
 }
 
-/// |x - p|^2 of the point p with the given coordinates.
-constexpr double length_sq(const Vec<2>& x, double p0, double p1) { return distance_sq(Vec<2>{p0, p1}, x); }
-constexpr double length_sq(const Vec<3>& x, double p0, double p1, double p2) {
-  return distance_sq(Vec<3>{p0, p1, p2}, x);
-}
-
-/// How far x is out of {x : normal.x <= offset}.
-double excess_of(const Vec<2>& x, double n0, double n1, double offset) { return n0 * x[0] + n1 * x[1] - offset; }
-double excess_of(const Vec<3>& x, double n0, double n1, double n2, double offset) {
-  return n0 * x[0] + n1 * x[1] + n2 * x[2] - offset;
-}
-
-/// D + 1 active constraints normal.x + r <= offset of a linear program, as columns of the inverse of their matrix: the
-/// unknowns (x, r) are sum_k offset[k] column[k].
+/// |x - p|^2 of points p, and the farthest point.
 template <int D>
-struct Basis {
-  using Column = std::array<double, D + 1>;
-  std::array<Column, D + 1> column;
-  std::array<double, D + 1> offset;
+typename PointRows<D>::Place farthest(const PointRows<D>& points, const Vec<D>& x) {
+  return points.largest([&](const auto&... coord) {
+    int axis = 0;
+    Lanes sum = 0.0;
+    ((sum = sum + square(coord - Lanes(x[axis++]))), ...);
+    return sum;
+  });
+}
 
+/// How far x is out of {x : normal.x <= offset}, and the half-space that it is farthest out of.
+template <int D>
+typename HalfSpaceRows<D>::Place most_violated(const HalfSpaceRows<D>& half_spaces, const Vec<D>& x) {
+  return half_spaces.largest([&](const auto&... column) {
+    const std::array<Lanes, D + 1> row = {column...};
+    Lanes sum = -row[D];
+    for (int axis = 0; axis < D; ++axis) sum = sum + row[static_cast<std::size_t>(axis)] * Lanes(x[axis]);
+    return sum;
+  });
+}
+
+/// D + 1 active constraints normal.x + r <= offset of a linear program, and the inverse of their matrix: the unknowns
+/// (x, r) are inverse times offset.
+template <int D>
+class Basis {
+ public:
   /// The sides of a regular simplex with an inscribed ball of radius `radius` around the origin.
   explicit Basis(double radius) {
     std::array<Vec<D>, D + 1> normal;  // They sum to zero, and their dyads to (D + 1) / D times the identity.
@@ -223,70 +180,82 @@ struct Basis {
       normal = {Vec<2>{1, 0}, Vec<2>{-0.5, t}, Vec<2>{-0.5, -t}};
     }
     for (std::size_t k = 0; k <= D; ++k) {
-      for (std::size_t i = 0; i < D; ++i) column[k][i] = normal[k].coord[i] * D / (D + 1);
-      column[k][D] = 1.0 / (D + 1);
-      offset[k] = radius;
+      for (std::size_t i = 0; i < D; ++i) set(inverse_[i], k, normal[k].coord[i] * D / (D + 1));
+      set(inverse_[D], k, 1.0 / (D + 1));
+      set(offset_, k, radius);
     }
   }
 
   [[nodiscard]] Ball<D> ball() const {
     Ball<D> ball;
-    for (std::size_t k = 0; k <= D; ++k) {
-      for (std::size_t i = 0; i < D; ++i) ball.center.coord[i] += offset[k] * column[k][i];
-      ball.radius += offset[k] * column[k][D];
-    }
+    for (std::size_t i = 0; i < D; ++i) ball.center.coord[i] = dot(inverse_[i], offset_);
+    ball.radius = dot(inverse_[D], offset_);
     return ball;
   }
 
   /// Takes in a violated constraint for the one whose multiplier vanishes first. False if rounding hides which.
-  bool exchange(const HalfSpace<D>& entering) {
-    // The entering row is sum_k weights[k] times active row k; the multipliers of the objective r are column[k][D].
-    std::array<double, D + 1> weights;
-    for (std::size_t k = 0; k <= D; ++k) {
-      weights[k] = column[k][D];
-      for (std::size_t i = 0; i < D; ++i) weights[k] += column[k][i] * entering.normal.coord[i];
+  bool exchange(const std::array<double, D + 1>& entering) {
+    // The entering row is sum_k weights[k] times active row k; the multipliers of the objective r are inverse_[D].
+    Row weights = inverse_[D], ratio;
+    for (std::size_t pair = 0; pair < kPairs; ++pair) {
+      for (std::size_t i = 0; i < D; ++i) weights[pair] = weights[pair] + inverse_[i][pair] * Lanes(entering[i]);
+      ratio[pair] = select(weights[pair] > Lanes(kLeastWeight), inverse_[D][pair] / weights[pair], kNever);
     }
-    std::size_t leaving = D + 1;
-    double ratio = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k <= D; ++k) {
-      if (!(weights[k] > 1e-12) || !(column[k][D] / weights[k] < ratio)) continue;
-      ratio = column[k][D] / weights[k];
-      leaving = k;
+    std::size_t leaving = 0;
+    for (std::size_t k = 1; k <= D; ++k) leaving = at(ratio, k) < at(ratio, leaving) ? k : leaving;
+    if (!(at(ratio, leaving) < kNever)) return false;
+    const double scale = 1 / at(weights, leaving);
+    for (Row& row : inverse_) {
+      const double value = scale * at(row, leaving);
+      for (std::size_t pair = 0; pair < kPairs; ++pair) row[pair] = row[pair] - weights[pair] * Lanes(value);
+      set(row, leaving, value);
     }
-    if (leaving > D) return false;
-    const double scale = 1 / weights[leaving];
-    for (double& x : column[leaving]) x *= scale;
-    for (std::size_t k = 0; k <= D; ++k) {
-      if (k == leaving) continue;
-      for (std::size_t i = 0; i <= D; ++i) column[k][i] -= weights[k] * column[leaving][i];
-    }
-    offset[leaving] = entering.offset;
+    set(offset_, leaving, entering[D]);
     return true;
   }
+
+ private:
+  static constexpr double kLeastWeight = 1e-12;
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+  static constexpr std::size_t kPairs = (D + Lanes::kSize) / Lanes::kSize;
+  /// One number for each active constraint, and zeros.
+  using Row = std::array<Lanes, kPairs>;
+
+  static double at(const Row& row, std::size_t k) { return row[k / Lanes::kSize][k % Lanes::kSize]; }
+  static void set(Row& row, std::size_t k, double x) { row[k / Lanes::kSize].set(k % Lanes::kSize, x); }
+  static double dot(const Row& a, const Row& b) {
+    Lanes sum = 0.0;
+    for (std::size_t pair = 0; pair < kPairs; ++pair) sum = sum + a[pair] * b[pair];
+    return sum[0] + sum[1];
+  }
+
+  std::array<Row, D + 1> inverse_{};
+  Row offset_{};
 };
 
 }  // namespace
 
 // Adds the farthest point to the support until none is outside: the radius grows with each step [Gaertner1999].
 template <int D>
-Ball<D> smallest_enclosing_ball(std::span<const Vec<D>> points) {
-  Columns<D> columns(
-      points.size(), [&](std::size_t k) -> const auto& { return points[k].coord; });
-  const auto largest_length_sq = [&](const Vec<D>& from) {
-    return columns.largest([&](auto... coord) { return length_sq(from, coord...); });
+Ball<D> smallest_enclosing_ball(const PointRows<D>& points) {
+  const auto point = [&](std::size_t row) {
+    Vec<D> p;
+    p.coord = points[row];
+    return p;
   };
-  const auto farthest = [&](double largest) -> const Vec<D>& { return points[columns.row_of(largest)]; };
+  // Two points that are as far from each other as is easily found.
   Support<D> support;
-  support.point[0] = farthest(largest_length_sq(points[0]));
-  support.n = 1;
-  Ball<D> ball{support.point[0], 0};
+  support.point[0] = point(farthest<D>(points, point(0)).row);
+  support.point[1] = point(farthest<D>(points, support.point[0]).row);
+  support.n = support.point[0] == support.point[1] ? 1 : 2;
+  Ball<D> ball{0.5 * (support.point[0] + support.point[1]), 0.5 * distance(support.point[0], support.point[1])};
   double outside = 0;
   for (int step = 0; step <= kMaxSteps; ++step) {
-    const double outside_sq = largest_length_sq(ball.center);
+    const auto [outside_sq, row] = farthest<D>(points, ball.center);
     outside = std::sqrt(outside_sq);
     if (outside <= ball.radius * (1 + kTolerance)) return ball;
     Ball<D> larger;
-    if (!enlarge(support, farthest(outside_sq), larger) || !(larger.radius > ball.radius)) break;
+    if (!enlarge(support, point(row), larger) || !(larger.radius > ball.radius)) break;
     ball = larger;
   }
   return {ball.center, outside};
@@ -296,26 +265,20 @@ Ball<D> smallest_enclosing_ball(std::span<const Vec<D>> points) {
 // active constraints determine (x, r); the most violated constraint replaces one of them, until none is violated.
 // Constraints of a large simplex around the origin start it.
 template <int D>
-Ball<D> largest_inscribed_ball(std::span<const HalfSpace<D>> half_spaces, double size) {
-  Columns<D + 1> columns(half_spaces.size(), [&](std::size_t k) {
-    std::array<double, D + 1> row;
-    std::copy_n(half_spaces[k].normal.coord.begin(), D, row.begin());
-    row[D] = half_spaces[k].offset;
-    return row;
-  });
+Ball<D> largest_inscribed_ball(const HalfSpaceRows<D>& half_spaces, double size) {
   Basis<D> basis(1e3 * size);
   for (int step = 0;; ++step) {
     Ball<D> ball = basis.ball();
-    const double excess = columns.largest([&](auto... row) { return excess_of(ball.center, row...); });
+    const auto [excess, row] = most_violated<D>(half_spaces, ball.center);
     const bool optimal = !(-excess < ball.radius - kTolerance * size);
     ball.radius = -excess;
-    if (optimal || step == kMaxSteps || !basis.exchange(half_spaces[columns.row_of(excess)])) return ball;
+    if (optimal || step == kMaxSteps || !basis.exchange(half_spaces[row])) return ball;
   }
 }
 
-template Ball<2> smallest_enclosing_ball(std::span<const Vec<2>>);
-template Ball<3> smallest_enclosing_ball(std::span<const Vec<3>>);
-template Ball<2> largest_inscribed_ball(std::span<const HalfSpace<2>>, double);
-template Ball<3> largest_inscribed_ball(std::span<const HalfSpace<3>>, double);
+template Ball<2> smallest_enclosing_ball<2>(const PointRows<2>&);
+template Ball<3> smallest_enclosing_ball<3>(const PointRows<3>&);
+template Ball<2> largest_inscribed_ball<2>(const HalfSpaceRows<2>&, double);
+template Ball<3> largest_inscribed_ball<3>(const HalfSpaceRows<3>&, double);
 
 }  // namespace voropack

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "geom/circumcenter.h"
 #include "geom/dd.h"
+#include "geom/number_vec.h"
 #include "mesh/faces.h"
 #include "quality/cell_aspect.h"
 #include "quality/spread.h"
@@ -29,54 +30,69 @@ std::array<Vec<D>, D + 1> corners(const Mesh<D>& mesh, SimplexId s) {
     return {mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]};
 }
 
-/// The angles of triangle p, whose doubled area is `area2`.
 template <int D>
-void add_triangle(const Vec<D>& a, const Vec<D>& b, const Vec<D>& c, double area2, AngleTally& tally) {
-  const Vec<D> ab = b - a, bc = c - b, ca = a - c;
-  tally.add(-dot(ab, ca), area2);
-  tally.add(-dot(ab, bc), area2);
-  tally.add(-dot(bc, ca), area2);
+using PointPair = NumberVec<Lanes, D>;
+
+/// The angles of triangles abc with the given doubled areas, of those lanes that count.
+template <int D>
+void add_triangles(const PointPair<D>& a, const PointPair<D>& b, const PointPair<D>& c, Lanes area2,
+                   const std::array<bool, Lanes::kSize>& counts, AngleTally& tally) {
+  const PointPair<D> ab = difference<Lanes>(b, a), bc = difference<Lanes>(c, b), ca = difference<Lanes>(a, c);
+  const std::array<Lanes, 3> cosine = {-dot<Lanes>(ab, ca), -dot<Lanes>(ab, bc), -dot<Lanes>(bc, ca)};
+  for (std::size_t lane = 0; lane < Lanes::kSize; ++lane)
+    for (const Lanes& x : cosine) tally.add_if(counts[lane], x[lane], area2[lane]);
 }
 
 struct AngleTallies {
   AngleTally face, dihedral;
 };
 
-/// [edge] of a simplex, in the order of the corners 01, 02, ..., 12, ...
+/// [edge] of simplices, in the order of the corners 01, 02, ..., 12, ...
 template <int D>
-using EdgeLengthsSq = std::array<double, D*(D + 1) / 2>;
+using EdgeLengthsSq = std::array<Lanes, D*(D + 1) / 2>;
 
 template <int D>
-EdgeLengthsSq<D> edge_lengths_sq(const std::array<Vec<D>, D + 1>& p) {
+EdgeLengthsSq<D> edge_lengths_sq(const SimplexPair<D>& p) {
   EdgeLengthsSq<D> lengths_sq;
   std::size_t edge = 0;
-  for (std::size_t i = 0; i <= D; ++i)
-    for (std::size_t j = i + 1; j <= D; ++j) lengths_sq[edge++] = distance_sq(p[i], p[j]);
+  for (std::size_t i = 0; i <= D; ++i) {
+    for (std::size_t j = i + 1; j <= D; ++j) {
+      const PointPair<D> e = difference<Lanes>(p[j], p[i]);
+      lengths_sq[edge++] = dot<Lanes>(e, e);
+    }
+  }
   return lengths_sq;
 }
 
-/// Adds the angles of simplex s; those of a face between two simplices are added by the first of them.
-void add_angles(const Mesh<2>&, SimplexId, const std::array<Vec<2>, 3>& p, const EdgeLengthsSq<2>&, double determinant,
-                AngleTallies& tallies) {
-  add_triangle(p[0], p[1], p[2], determinant, tallies.face);
+/// Adds the angles of the simplices from `first` on that are in the lanes that count; those of a face between two
+/// simplices are added by the first of them.
+void add_angles(const Mesh<2>&, SimplexId, const std::array<bool, Lanes::kSize>& counts, const SimplexPair<2>& p,
+                const EdgeLengthsSq<2>&, Lanes determinant, AngleTallies& tallies) {
+  add_triangles<2>(p[0], p[1], p[2], determinant, counts, tallies.face);
 }
 
-void add_angles(const Mesh<3>& mesh, SimplexId s, const std::array<Vec<3>, 4>& p, const EdgeLengthsSq<3>& lengths_sq,
-                double determinant, AngleTallies& tallies) {
-  std::array<Vec<3>, 4> normal;  // Into the simplex, twice the face's area long.
+void add_angles(const Mesh<3>& mesh, SimplexId first, const std::array<bool, Lanes::kSize>& counts,
+                const SimplexPair<3>& p, const EdgeLengthsSq<3>& lengths_sq, Lanes determinant, AngleTallies& tallies) {
+  std::array<PointPair<3>, 4> normal;  // Into the simplex, twice the face's area long.
   for (std::size_t i = 0; i < 4; ++i) {
     const auto& f = kFaceCorners<3>[i];
-    const Vec<3>&a = p[static_cast<std::size_t>(f[0])], &b = p[static_cast<std::size_t>(f[1])],
+    const PointPair<3>&a = p[static_cast<std::size_t>(f[0])], &b = p[static_cast<std::size_t>(f[1])],
           &c = p[static_cast<std::size_t>(f[2])];
-    normal[i] = cross(b - a, c - a);
-    const SimplexId t = mesh.simplex_neighbors[s][i];
-    if (t.is_none() || s < t) add_triangle(a, b, c, norm(normal[i]), tallies.face);
+    normal[i] = cross<Lanes>(difference<Lanes>(b, a), difference<Lanes>(c, a));
+    std::array<bool, Lanes::kSize> first_of_face;
+    for (std::size_t lane = 0; lane < Lanes::kSize; ++lane) {
+      const SimplexId s(first.value() + (counts[lane] ? lane : 0));
+      const SimplexId t = mesh.simplex_neighbors[s][i];
+      first_of_face[lane] = counts[lane] & (t.is_none() | (s < t));
+    }
+    add_triangles<3>(a, b, c, sqrt(dot<Lanes>(normal[i], normal[i])), first_of_face, tallies.face);
   }
   std::size_t opposite = 5;
   for (std::size_t i = 0; i < 4; ++i) {
     for (std::size_t j = i + 1; j < 4; ++j) {
       // The faces opposite to i and j meet at the edge of the other two corners. |n_i x n_j| = |edge| |determinant|.
-      tallies.dihedral.add(-dot(normal[i], normal[j]), std::sqrt(lengths_sq[opposite--]) * determinant);
+      const Lanes x = -dot<Lanes>(normal[i], normal[j]), y = sqrt(lengths_sq[opposite--]) * determinant;
+      for (std::size_t lane = 0; lane < Lanes::kSize; ++lane) tallies.dihedral.add_if(counts[lane], x[lane], y[lane]);
     }
   }
 }
@@ -140,21 +156,7 @@ class QualityMeasure {
           observer_.check_cancelled();
           RegionSums block;
           AngleTallies& local = tallies.local();
-          for (std::size_t k = begin; k != end; ++k) {
-            const SimplexId s(k);
-            const std::array<Vec<D>, D + 1> p = corners(mesh_, s);
-            const double determinant = simplex_determinant<D>(p);
-            const Vec<D> offset = circumcenter_offset<D>(p);
-            simplices_.circumcenter[s] = p[0] + offset;
-            simplices_.walls[s] = wall_corners(mesh_, s);
-            const EdgeLengthsSq<D> lengths_sq = edge_lengths_sq<D>(p);
-            const double ratio = std::sqrt(norm_sq(offset) / *std::min_element(lengths_sq.begin(), lengths_sq.end()));
-            radius_edge[k] = std::isnan(ratio) ? std::numeric_limits<double>::infinity() : ratio;
-            add_angles(mesh_, s, p, lengths_sq, determinant, local);
-            auto& region = block.at(mesh_.simplex_region[s]);
-            ++region.n;
-            region.volume = region.volume + Dd(determinant / (D == 3 ? 6 : 2));
-          }
+          for (std::size_t k = begin; k < end; k += Lanes::kSize) measure_pair(k, end, radius_edge, local, block);
           return block;
         },
         [](RegionSums a, const RegionSums& b) {
@@ -178,6 +180,28 @@ class QualityMeasure {
     }
     report_.angle_deg = all.face.spread_deg();
     if constexpr (D == 3) report_.dihedral_deg = all.dihedral.spread_deg();
+  }
+
+  /// Measures simplex k and the next one if it is before `end`.
+  void measure_pair(std::size_t k, std::size_t end, std::vector<double>& radius_edge, AngleTallies& tallies,
+                    RegionSums& sums) {
+    const std::array<bool, Lanes::kSize> counts = {true, k + 1 < end};
+    const SimplexPair<D> p = simplex_pair<D>(corners(mesh_, SimplexId(k)), corners(mesh_, SimplexId(k + counts[1])));
+    const CircumcenterPair<D> center = circumcenter_pair<D>(p);
+    const EdgeLengthsSq<D> lengths_sq = edge_lengths_sq<D>(p);
+    Lanes shortest_sq = lengths_sq[0];
+    for (const Lanes& length_sq : lengths_sq) shortest_sq = min(shortest_sq, length_sq);
+    const Lanes ratio = sqrt(dot<Lanes>(center.offset, center.offset) / shortest_sq);
+    add_angles(mesh_, SimplexId(k), counts, p, lengths_sq, center.determinant, tallies);
+    for (std::size_t lane = 0; lane < Lanes::kSize && counts[lane]; ++lane) {
+      const SimplexId s(k + lane);
+      for (std::size_t i = 0; i < D; ++i) simplices_.circumcenter[s].coord[i] = p[0][i][lane] + center.offset[i][lane];
+      simplices_.walls[s] = wall_corners(mesh_, s);
+      radius_edge[k + lane] = std::isnan(ratio[lane]) ? std::numeric_limits<double>::infinity() : ratio[lane];
+      auto& region = sums.at(mesh_.simplex_region[s]);
+      ++region.n;
+      region.volume = region.volume + Dd(center.determinant[lane] / (D == 3 ? 6 : 2));
+    }
   }
 
   /// Edges on an interface have one dual face per region and count once.

@@ -22,10 +22,13 @@ class AngleTally {
  public:
   AngleTally() : bins_(kFineBins, 0) {}
 
-  void add(double x, double y) {
+  void add(double x, double y) { add_if(true, x, y); }
+  /// Without a branch, as the callers' conditions cannot be predicted.
+  void add_if(bool counts, double x, double y) {
     x_[n_waiting_] = x;
     y_[n_waiting_] = y;
-    if (++n_waiting_ == kBatch) count_waiting();
+    n_waiting_ += counts ? 1U : 0U;
+    if (n_waiting_ == kBatch) count_waiting();
   }
 
   /// Adds what `other` counted, angles that wait in it included.

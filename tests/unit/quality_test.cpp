@@ -154,25 +154,44 @@ TEST(Quality, AnyNumberOfThreadsGivesTheSameReport) {
   EXPECT_EQ(one.volume_sum, eight.volume_sum);
 }
 
+PointRows<3> rows_of(const std::vector<Vec<3>>& points) {
+  PointRows<3> rows;
+  for (const Vec<3>& p : points) rows.push_back(p.coord);
+  return rows;
+}
+
+TEST(RowPairs, TheLargestIsTheFirstOfEquals) {
+  for (std::size_t n = 1; n < 8; ++n) {
+    for (std::size_t largest = 0; largest < n; ++largest) {
+      RowPairs<1> rows;
+      for (std::size_t k = 0; k < n; ++k) rows.push_back(RowPairs<1>::Row{k < largest ? -1.0 : 2.0});
+      const auto place = rows.largest([](const Lanes& x) { return x * Lanes(3.0); });
+      EXPECT_EQ(place.value, 6) << largest << " of " << n;
+      EXPECT_EQ(place.row, largest) << "of " << n;
+      EXPECT_EQ(rows[n - 1][0], 2);
+    }
+  }
+}
+
 TEST(CellBalls, TheEnclosingBallIsSmallest) {
   Random random(1);
   for (int round = 0; round < 50; ++round) {
     std::vector<Vec<3>> points;
     for (int k = 0; k < 24; ++k) points.push_back({random.unit(), 2 * random.unit(), random.unit()});
-    const Ball<3> ball = smallest_enclosing_ball<3>(points);
+    const Ball<3> ball = smallest_enclosing_ball<3>(rows_of(points));
     // Optimal if and only if the center is in the convex hull of the points on the sphere: no direction leads away from
     // all of them.
-    std::vector<HalfSpace<3>> towards;
+    std::vector<Vec<3>> towards;
     for (const Vec<3>& p : points) {
       EXPECT_LE(distance(p, ball.center), ball.radius * (1 + 1e-8));
       if (distance(p, ball.center) > ball.radius * (1 - 1e-6)) {
-        towards.push_back({(p - ball.center) / ball.radius, 1.0});
+        towards.push_back((p - ball.center) / ball.radius);
       }
     }
     for (int probe = 0; probe < 200; ++probe) {
       const Vec<3> direction = {random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5};
       double best = -1;
-      for (const auto& t : towards) best = std::max(best, -dot(t.normal, direction));
+      for (const auto& t : towards) best = std::max(best, -dot(t, direction));
       EXPECT_GT(best, -1e-6);
     }
   }
@@ -185,7 +204,7 @@ TEST(CellBalls, ManyPointsHaveTheBallOfTheirHull) {
   for (int k = 0; k < 300; ++k) points.push_back({random.unit(), 2 * random.unit(), 3 * random.unit()});
   for (unsigned corner = 0; corner < 8; ++corner)
     points.push_back({corner & 1U ? 1.0 : 0.0, corner & 2U ? 2.0 : 0.0, corner & 4U ? 3.0 : 0.0});
-  const Ball<3> ball = smallest_enclosing_ball<3>(points);
+  const Ball<3> ball = smallest_enclosing_ball<3>(rows_of(points));
   EXPECT_NEAR(ball.radius, std::sqrt(14.0) / 2, 1e-8);
   EXPECT_NEAR(distance(ball.center, Vec<3>{0.5, 1.0, 1.5}), 0, 1e-8);
 }
@@ -193,11 +212,11 @@ TEST(CellBalls, ManyPointsHaveTheBallOfTheirHull) {
 TEST(CellBalls, ManyTangentPlanesHaveTheBallThatTheyTouch) {
   Random random(3);
   const Vec<3> center = {0.1, -0.2, 0.05};
-  std::vector<HalfSpace<3>> half_spaces;
+  HalfSpaceRows<3> half_spaces;
   for (int k = 0; k < 300; ++k) {
     Vec<3> normal = {random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5};
     normal = normal / norm(normal);
-    half_spaces.push_back({normal, dot(normal, center) + 0.7});
+    half_spaces.push_back(HalfSpaceRows<3>::Row{normal[0], normal[1], normal[2], dot(normal, center) + 0.7});
   }
   const Ball<3> ball = largest_inscribed_ball<3>(half_spaces, 1);
   EXPECT_NEAR(ball.radius, 0.7, 1e-8);
@@ -248,13 +267,16 @@ TEST(Spread, AngleTalliesForgetNothingWhenTheyMerge) {
 
 TEST(CellBalls, TheInscribedBallOfABox) {
   // Doubled and redundant constraints do no harm.
-  std::vector<HalfSpace<3>> box;
+  HalfSpaceRows<3> box;
   for (const double slack : {0.0, 0.0, 1.0}) {
     for (int k = 0; k < 3; ++k) {
-      Vec<3> n;
-      n[k] = 1;
-      box.push_back({n, 1.0 + k + slack});
-      box.push_back({-n, 2.0 + slack});
+      std::array<double, 4> row{};
+      row[static_cast<std::size_t>(k)] = 1;
+      row[3] = 1.0 + k + slack;
+      box.push_back(row);
+      row[static_cast<std::size_t>(k)] = -1;
+      row[3] = 2.0 + slack;
+      box.push_back(row);
     }
   }
   const Ball<3> ball = largest_inscribed_ball<3>(box, 10);
