@@ -1,5 +1,6 @@
 // The program voropack: parse, run one command, choose the exit code.
 #include <fmt/format.h>
+#include <malloc.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
 
@@ -37,6 +38,15 @@ std::string version_text() {
                           : fmt::format("voropack {} ({})", version(), commit());
 }
 
+/// Has freed memory kept for the next stage. To return it to the system and to ask for zeroed pages again is work of
+/// the system that no second thread shares.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, -1);
+#endif
+}
+
 /// Runs `command` in a session of its own. Whatever it staged is gone when this returns.
 int run(const Command& command, const CommonOptions& common, std::chrono::steady_clock::time_point start) {
   OutputSet outputs;
@@ -64,6 +74,7 @@ int run(const Command& command, const CommonOptions& common, std::chrono::steady
 
 int main(int argc, char** argv) {
   const auto start = std::chrono::steady_clock::now();
+  keep_freed_memory();
   catch_interrupts();
 
   CLI::App root("Boundary-conforming Delaunay meshes and Voronoi control volumes by sphere packing", "voropack");
