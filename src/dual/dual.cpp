@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/unset_array.h"
 #include "dual/face_weight.h"
 #include "mesh/faces.h"
 #include "mesh/incidence.h"
@@ -22,7 +23,7 @@ constexpr std::size_t kBlock = 1024;  // Vertices or simplices per task.
 /// [simplex][i] the share of the simplex in the weight q of the face opposite to corner i (face_weight.h): one half of
 /// an interior face's q, so that both its simplices add up to q; all of q where the region ends.
 template <int D>
-using Shares = IdVector<SimplexId, std::array<double, D + 1>>;
+using Shares = UnsetArray<SimplexId, std::array<double, D + 1>>;
 
 struct ShareStatistics {
   std::uint64_t n_beyond_double = 0;
@@ -82,9 +83,8 @@ void compute_shares_of(const Mesh<D>& mesh, SimplexId s, Shares<D>& shares, Shar
 
 template <int D>
 ShareStatistics compute_shares(const Mesh<D>& mesh, Observer& observer, Shares<D>& shares) {
-  shares.resize(mesh.simplex_vertices.size());
   return parallel_reduce_ordered(
-      shares.size(), kBlock, ShareStatistics{},
+      mesh.simplex_vertices.size(), kBlock, ShareStatistics{},
       [&](std::size_t begin, std::size_t end) {
         observer.check_cancelled();
         ShareStatistics statistics;
@@ -272,7 +272,7 @@ class DualBuilder {
   static constexpr std::size_t kEdgesPerVertex = D == 3 ? 8 : 3;  // Slightly more than there are on average.
 
   std::vector<BlockResult> sum_blocks(ControlVolumes<D>& out) {
-    Shares<D> shares;
+    Shares<D> shares(mesh_.simplex_vertices.size());
     const ShareStatistics statistics = compute_shares(mesh_, observer_, shares);
     out.n_exact_evaluations = statistics.n_beyond_double;
     observer_.progress(1, 3);

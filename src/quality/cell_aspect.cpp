@@ -52,7 +52,9 @@ class Cell {
   static constexpr double kThinBall = 1e-6;
 
   void add_corners(VertexId v, SimplexId s) {
-    corners_.push_back((figures_.circumcenter[s] - site_).coord);
+    std::array<double, D> corner = figures_.circumcenter[s];
+    for (std::size_t k = 0; k < D; ++k) corner[k] -= site_.coord[k];
+    corners_.push_back(corner);
     const unsigned walls = figures_.walls[s];
     for (int i = 0; walls != 0 && i <= D; ++i)
       if ((walls >> static_cast<unsigned>(i) & 1U) != 0 && mesh_.simplex_vertices[s][static_cast<std::size_t>(i)] != v)

@@ -1,9 +1,11 @@
 // R/r of Theorem 2.4 for every cell.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "base/unset_array.h"
 #include "voropack/mesh.h"
 #include "voropack/observer.h"
 
@@ -12,8 +14,10 @@ namespace voropack {
 /// What the cells need to know about simplices.
 template <int D>
 struct SimplexFigures {
-  IdVector<SimplexId, Vec<D>> circumcenter;  ///< [n_simplices]
-  IdVector<SimplexId, std::uint8_t> walls;   ///< [n_simplices] bit i: the region ends opposite to corner i.
+  explicit SimplexFigures(std::size_t n_simplices) : circumcenter(n_simplices), walls(n_simplices) {}
+
+  UnsetArray<SimplexId, std::array<double, D>> circumcenter;  ///< [n_simplices]
+  UnsetArray<SimplexId, std::uint8_t> walls;  ///< [n_simplices] bit i: the region ends opposite to corner i.
 };
 
 /// [n_cells] R/r of each cell, in the order of ControlVolumes::cell_vertex. R is the radius of the smallest ball around

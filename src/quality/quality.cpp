@@ -126,7 +126,7 @@ template <int D>
 class QualityMeasure {
  public:
   QualityMeasure(const Mesh<D>& mesh, const ControlVolumes<D>& volumes, Observer& observer)
-      : mesh_(mesh), volumes_(volumes), observer_(observer) {}
+      : mesh_(mesh), volumes_(volumes), observer_(observer), simplices_(mesh.simplex_vertices.size()) {}
 
   QualityReport measure() {
     report_.n_vertices = mesh_.points.size();
@@ -147,8 +147,6 @@ class QualityMeasure {
  private:
   void measure_simplices() {
     std::vector<double> radius_edge(mesh_.simplex_vertices.size());
-    simplices_.circumcenter.resize(radius_edge.size());
-    simplices_.walls.resize(radius_edge.size());
     tbb::enumerable_thread_specific<AngleTallies> tallies;
     const RegionSums sums = parallel_reduce_ordered(
         radius_edge.size(), kBlock, RegionSums{},
@@ -195,7 +193,7 @@ class QualityMeasure {
     add_angles(mesh_, SimplexId(k), counts, p, lengths_sq, center.determinant, tallies);
     for (std::size_t lane = 0; lane < Lanes::kSize && counts[lane]; ++lane) {
       const SimplexId s(k + lane);
-      for (std::size_t i = 0; i < D; ++i) simplices_.circumcenter[s].coord[i] = p[0][i][lane] + center.offset[i][lane];
+      for (std::size_t i = 0; i < D; ++i) simplices_.circumcenter[s][i] = p[0][i][lane] + center.offset[i][lane];
       simplices_.walls[s] = wall_corners(mesh_, s);
       radius_edge[k + lane] = std::isnan(ratio[lane]) ? std::numeric_limits<double>::infinity() : ratio[lane];
       auto& region = sums.at(mesh_.simplex_region[s]);
