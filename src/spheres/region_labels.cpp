@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <unordered_map>
 
 #include "base/disjoint_sets.h"
@@ -210,10 +211,26 @@ template <int K>
 Triangulation<K> export_triangulation(const DelaunayKernel<K>& kernel, const std::vector<int>& region) {
   constexpr std::uint32_t kNone = Triangulation<K>::kNoNeighbor;
   const std::uint32_t n = kernel.n_slots();
-  std::vector<std::uint32_t> index(n, kNone);
-  std::uint32_t count = 0;
-  for (std::uint32_t slot = 0; slot < n; ++slot)
-    if (kernel.is_finite(slot) && region[slot] >= 0) index[slot] = count++;
+  // Blocks count what they keep before they number it.
+  constexpr std::size_t kBlock = 1U << 16U;
+  const auto kept = [&](std::size_t slot) {
+    return region[slot] >= 0 && kernel.is_finite(static_cast<std::uint32_t>(slot));
+  };
+  std::vector<std::uint32_t> first((n + kBlock - 1) / kBlock + 1, 0);
+  const auto for_blocks = [&](const auto& fn) {
+    parallel_for(
+        first.size() - 1, [&](std::size_t b) { fn(b, b * kBlock, std::min<std::size_t>(n, (b + 1) * kBlock)); }, 1);
+  };
+  for_blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
+    for (std::size_t slot = begin; slot < end; ++slot) first[b + 1] += kept(slot) ? 1U : 0U;
+  });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<std::uint32_t> index(n);
+  for_blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
+    std::uint32_t next = first[b];
+    for (std::size_t slot = begin; slot < end; ++slot) index[slot] = kept(slot) ? next++ : kNone;
+  });
+  const std::uint32_t count = first.back();
   Triangulation<K> t;
   t.simplices.resize(count);
   t.neighbors.resize(count);
