@@ -182,6 +182,7 @@ void BowyerWatson<K>::insert(std::span<const Vec<K>> points, std::span<const std
 template <int K>
 std::vector<typename BowyerWatson<K>::Slot> BowyerWatson<K>::take_created() {
   std::vector<Slot> created;
+  created.reserve(insertion_.recreated.size() + (n_slots() - arrays_.first_new_slot));
   std::sort(insertion_.recreated.begin(), insertion_.recreated.end());
   for (const Slot slot : insertion_.recreated) {
     arrays_.state[slot] &= ~Arrays::kCreatedBit;

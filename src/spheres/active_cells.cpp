@@ -222,6 +222,13 @@ void ActiveCells<K>::open(const Cell& cell, const Box<K>& box, const Range& f, O
         subdivide(parts[i], own, {0, 0}, harvests[i]);
       },
       1);
+  std::size_t n_cells = out.cells.size(), n_points = out.points.size();
+  for (const Harvest& h : harvests) {
+    n_cells += h.cells.size();
+    n_points += h.points.size();
+  }
+  out.cells.reserve(n_cells);
+  out.points.reserve(n_points);
   for (Harvest& h : harvests) {
     out.cells.insert(out.cells.end(), h.cells.begin(), h.cells.end());
     out.points.insert(out.points.end(), h.points.begin(), h.points.end());
