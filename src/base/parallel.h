@@ -44,6 +44,13 @@ void parallel_for(std::size_t n, Fn&& fn, std::size_t grain = 1024) {
   edges.join();
 }
 
+/// Calls both, in parallel. A thread that is done with one helps with the loops of the other.
+template <class First, class Second>
+void parallel_invoke(First&& first, Second&& second) {
+  parallel_for(
+      2, [&](std::size_t task) { task == 0 ? first() : second(); }, 1);
+}
+
 /// Sorts by <. Equal elements must be alike.
 template <class Iterator>
 void parallel_sort(Iterator first, Iterator last) {

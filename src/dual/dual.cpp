@@ -273,11 +273,13 @@ class DualBuilder {
 
   std::vector<BlockResult> sum_blocks(ControlVolumes<D>& out) {
     Shares<D> shares(mesh_.simplex_vertices.size());
-    const ShareStatistics statistics = compute_shares(mesh_, observer_, shares);
+    ShareStatistics statistics;
+    Csr<VertexId, SimplexId> incidence;
+    parallel_invoke([&] { statistics = compute_shares(mesh_, observer_, shares); },
+                    [&] { incidence = invert_incidence<VertexId>(mesh_.simplex_vertices, mesh_.points.size()); });
+    const Csr<VertexId, SimplexId>& vertex_simplices = incidence;
     out.n_exact_evaluations = statistics.n_beyond_double;
     observer_.progress(1, 3);
-    const Csr<VertexId, SimplexId> vertex_simplices =
-        invert_incidence<VertexId>(mesh_.simplex_vertices, mesh_.points.size());
 
     const std::size_t n = mesh_.points.size();
     std::vector<BlockResult> blocks((n + kBlock - 1) / kBlock);

@@ -8,7 +8,6 @@
 #include "base/parallel.h"
 #include "geom/circumcenter.h"
 #include "mesh/faces.h"
-#include "mesh/incidence.h"
 #include "quality/cell_balls.h"
 
 namespace voropack {
@@ -156,10 +155,9 @@ class Cell {
 
 template <int D>
 std::vector<double> cell_aspects(const Mesh<D>& mesh, const ControlVolumes<D>& volumes,
-                                 const SimplexFigures<D>& figures, Observer& observer) {
+                                 const Csr<VertexId, SimplexId>& vertex_simplices, const SimplexFigures<D>& figures,
+                                 Observer& observer) {
   constexpr std::size_t kBlock = 2048;
-  const Csr<VertexId, SimplexId> vertex_simplices =
-      invert_incidence<VertexId>(mesh.simplex_vertices, mesh.points.size());
   const std::size_t n = volumes.cell_vertex.size();
   std::vector<double> aspects(n);
   const auto same_vertex = [&](std::size_t a, std::size_t b) {
@@ -173,7 +171,7 @@ std::vector<double> cell_aspects(const Mesh<D>& mesh, const ControlVolumes<D>& v
                  std::vector<SimplexId> in_region;
                  for (std::size_t c = block * kBlock; c < std::min(n, (block + 1) * kBlock); ++c) {
                    const VertexId v = volumes.cell_vertex[CellId(c)];
-                   std::span<const SimplexId> simplices = std::as_const(vertex_simplices)[v];
+                   std::span<const SimplexId> simplices = vertex_simplices[v];
                    if ((c > 0 && same_vertex(c, c - 1)) || (c + 1 < n && same_vertex(c, c + 1))) {
                      in_region.clear();
                      for (const SimplexId s : simplices)
@@ -187,9 +185,9 @@ std::vector<double> cell_aspects(const Mesh<D>& mesh, const ControlVolumes<D>& v
   return aspects;
 }
 
-template std::vector<double> cell_aspects(const Mesh<2>&, const ControlVolumes<2>&, const SimplexFigures<2>&,
-                                          Observer&);
-template std::vector<double> cell_aspects(const Mesh<3>&, const ControlVolumes<3>&, const SimplexFigures<3>&,
-                                          Observer&);
+template std::vector<double> cell_aspects(const Mesh<2>&, const ControlVolumes<2>&, const Csr<VertexId, SimplexId>&,
+                                          const SimplexFigures<2>&, Observer&);
+template std::vector<double> cell_aspects(const Mesh<3>&, const ControlVolumes<3>&, const Csr<VertexId, SimplexId>&,
+                                          const SimplexFigures<3>&, Observer&);
 
 }  // namespace voropack

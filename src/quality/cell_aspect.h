@@ -23,8 +23,10 @@ struct SimplexFigures {
 /// [n_cells] R/r of each cell, in the order of ControlVolumes::cell_vertex. R is the radius of the smallest ball around
 /// the cell, r that of the largest ball in it (docs/theory/quality.md); a cell whose boundary is not convex at its
 /// site gets a ball in a convex part of it, so that its R/r is an upper bound. Infinite for a cell without interior.
+/// `vertex_simplices` lists the simplices around each vertex.
 template <int D>
 std::vector<double> cell_aspects(const Mesh<D>& mesh, const ControlVolumes<D>& volumes,
-                                 const SimplexFigures<D>& figures, Observer& observer);
+                                 const Csr<VertexId, SimplexId>& vertex_simplices, const SimplexFigures<D>& figures,
+                                 Observer& observer);
 
 }  // namespace voropack

@@ -11,6 +11,7 @@
 #include "geom/dd.h"
 #include "geom/number_vec.h"
 #include "mesh/faces.h"
+#include "mesh/incidence.h"
 #include "quality/cell_aspect.h"
 #include "quality/spread.h"
 
@@ -134,12 +135,16 @@ class QualityMeasure {
     report_.n_boundary_simplices = mesh_.boundary_vertices.size();
     report_.n_cells = volumes_.cell_vertex.size();
     report_.n_dual_faces = volumes_.face_area.size();
-    measure_simplices();
+    Csr<VertexId, SimplexId> vertex_simplices;
+    parallel_invoke(
+        [&] { measure_simplices(); },
+        [&] { vertex_simplices = invert_incidence<VertexId>(mesh_.simplex_vertices, mesh_.points.size()); });
     observer_.progress(1, 3);
     measure_edges();
     measure_cells();
     observer_.progress(2, 3);
-    report_.cell_aspect = measure_spread(cell_aspects(mesh_, volumes_, simplices_, observer_), 1, 11, 40);
+    report_.cell_aspect =
+        measure_spread(cell_aspects(mesh_, volumes_, vertex_simplices, simplices_, observer_), 1, 11, 40);
     observer_.progress(3, 3);
     return report_;
   }
