@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "geom/circumcenter.h"
 #include "quality/cell_balls.h"
 #include "quality/spread.h"
 #include "support/allow_threads.h"
@@ -158,6 +159,26 @@ PointRows<3> rows_of(const std::vector<Vec<3>>& points) {
   PointRows<3> rows;
   for (const Vec<3>& p : points) rows.push_back(p.coord);
   return rows;
+}
+
+TEST(CircumcenterPair, IsThatOfEachToTheBit) {
+  Random random(6);
+  const auto tetrahedron = [&](double height) {
+    std::array<Vec<3>, 4> p;
+    for (Vec<3>& x : p) x = {random.unit(), random.unit(), height * random.unit()};
+    return p;
+  };
+  // Flat ones leave double precision, each in either place.
+  for (int round = 0; round < 400; ++round) {
+    const auto p = tetrahedron(round % 2 == 0 ? 1 : 1e-13), q = tetrahedron(round % 4 < 2 ? 1 : 1e-13);
+    const CircumcenterPair<3> pair = circumcenter_pair<3>(simplex_pair<3>(p, q));
+    for (std::size_t lane = 0; lane < 2; ++lane) {
+      const auto& one = lane == 0 ? p : q;
+      EXPECT_EQ(pair.determinant[lane], simplex_determinant<3>(one)) << round;
+      const Vec<3> offset = circumcenter_offset<3>(one);
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(pair.offset[k][lane], offset.coord[k]) << round;
+    }
+  }
 }
 
 TEST(RowPairs, TheLargestIsTheFirstOfEquals) {
