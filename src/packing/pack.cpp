@@ -21,7 +21,8 @@ namespace {
 /// So often f shrinks around stretched simplices; then the mesh with the fewest is taken, and the certificate names
 /// them.
 constexpr int kStretchedRounds = 8;
-/// Nor does f shrink once more if the mesh has grown to so many times the size of the best one.
+/// Nor does f shrink once more if the mesh has grown to so many times the size of the best one, or has so many times
+/// its stretched simplices: some corners are the same at every scale.
 constexpr std::size_t kStretchedGrowth = 2;
 /// Nor if they are more than one in so many: what makes that many is nothing that a smaller f would mend.
 constexpr std::size_t kFewStretched = 20;
@@ -222,7 +223,8 @@ class AdaptivePacker {
       drop_traces(best_->packing, protection_.incidence);
     }
     if (n_stretched == 0 || n_stretched > std::max(kFewStretched, n_simplices / kFewStretched) ||
-        n_simplices > kStretchedGrowth * best_->n_simplices || ++stretched_rounds_ > kStretchedRounds)
+        n_stretched > kStretchedGrowth * best_->n_stretched || n_simplices > kStretchedGrowth * best_->n_simplices ||
+        ++stretched_rounds_ > kStretchedRounds)
       return true;
     std::erase_if(boundary.faults,
                   [&](const SpacingCap<D>& cap) { return protection_.narrow_corners(cap.center, cap.radius, f); });
