@@ -7,6 +7,7 @@
 #include "spacing/integral.h"
 #include "spacing/spacing_sources.h"
 #include "spacing/spacing_tree.h"
+#include "spacing/value_memory.h"
 #include "spacing/wishes.h"
 
 namespace voropack {
@@ -17,7 +18,13 @@ struct Spacing<D>::Impl {
   std::shared_ptr<const SpacingSources<D>> sources;
   std::shared_ptr<const SpacingTree<D>> tree;
   std::vector<SpacingCap<D>> caps;
-  BoxTree<D> cap_tree;  // Over the caps' balls.
+  BoxTree<D> cap_tree;                     // Over the caps' balls.
+  std::shared_ptr<ValueMemory<D>> memory;  // Of f without caps: caps follow caps, and most places stay the same.
+
+  /// f without caps.
+  [[nodiscard]] double base_at(const Vec<D>& x) const {
+    return tree->box().contains(x) ? (*tree)(x) : sources->search(x, std::numeric_limits<double>::infinity());
+  }
 
   [[nodiscard]] double cap_at(std::uint32_t i, const Vec<D>& x) const {
     return caps[i].value + options.gradation * std::max(0.0, distance(x, caps[i].center) - caps[i].radius);
@@ -27,9 +34,8 @@ struct Spacing<D>::Impl {
 template <int D>
 double Spacing<D>::operator()(const Vec<D>& x) const {
   const Impl& f = *impl_;
-  const double base =
-      f.tree->box().contains(x) ? (*f.tree)(x) : f.sources->search(x, std::numeric_limits<double>::infinity());
-  if (f.caps.empty()) return base;
+  if (f.caps.empty()) return f.base_at(x);
+  const double base = f.memory->get(x, [&] { return f.base_at(x); });
   return f.cap_tree.minimize(x, f.options.gradation, base, [&](std::uint32_t i) { return f.cap_at(i, x); });
 }
 
@@ -145,6 +151,7 @@ Spacing<D> build_spacing(const Domain<D>& domain, const SizeWishes<D>& wishes, c
   auto impl = std::make_shared<typename Spacing<D>::Impl>();
   impl->options = options;
   impl->tree = std::make_shared<SpacingTree<D>>(domain, *sources, observer);
+  impl->memory = std::make_shared<ValueMemory<D>>();
   impl->sources = std::move(sources);
   return Spacing<D>(std::move(impl));
 }
