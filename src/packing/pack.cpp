@@ -23,7 +23,11 @@ namespace {
 constexpr int kStretchedRounds = 8;
 /// Nor does f shrink once more if the mesh has grown to so many times the size of the best one, or has so many times
 /// its stretched simplices: some corners are the same at every scale.
-constexpr std::size_t kStretchedGrowth = 2;
+constexpr std::size_t kMostGrowth = 3, kMostStretched = 2;
+/// Where there are few, in a mesh of no more simplices than this, the interior is packed so many times more, each time
+/// with other random numbers.
+constexpr std::uint64_t kInteriorTries = 8;
+constexpr std::size_t kTriedSimplices = 50'000;
 /// Nor if they are more than one in so many: what makes that many is nothing that a smaller f would mend.
 constexpr std::size_t kFewStretched = 20;
 
@@ -169,7 +173,7 @@ class AdaptivePacker {
       protection_.add_traces(f);
       BoundaryPacking<D> boundary = pack_boundary(f, protection_, options_, observer_);
       n_boundary_ = boundary.packing.center.size();
-      if (best_ && n_boundary_ > kStretchedGrowth * best_->n_boundary) break;
+      if (best_ && n_boundary_ > kMostGrowth * best_->n_boundary) break;
       name_given(boundary.faults, protection_.incidence);
       name_given(boundary.tied, protection_.incidence);
       if (boundary.faults.empty() && !boundary.protects_more && fill_interior(boundary, f, round)) break;
@@ -212,8 +216,7 @@ class AdaptivePacker {
                                              walls_of_balls[i].carrier, walls_of_balls[i].carrier));
       return false;
     }
-    append_interior(boundary.packing, std::move(interior));
-    boundary.faults = stretched_simplices(boundary.packing, protection_.incidence);
+    add_best_interior(problem, std::move(interior), boundary);
     const std::size_t n_simplices = boundary.packing.triangulation.simplices.size();
     const std::size_t n_stretched = boundary.faults.size();
     if (!best_ || n_stretched < best_->n_stretched) {
@@ -222,13 +225,36 @@ class AdaptivePacker {
       best_->packing.repair_rounds = round;
       drop_traces(best_->packing, protection_.incidence);
     }
-    if (n_stretched == 0 || n_stretched > std::max(kFewStretched, n_simplices / kFewStretched) ||
-        n_stretched > kStretchedGrowth * best_->n_stretched || n_simplices > kStretchedGrowth * best_->n_simplices ||
-        ++stretched_rounds_ > kStretchedRounds)
+    const std::size_t many = std::max(kFewStretched, n_simplices / kFewStretched);
+    const std::size_t too_many = std::max<std::size_t>(kFewStretched, kMostStretched * best_->n_stretched);
+    if (n_stretched == 0 || n_stretched > many || n_stretched > too_many ||
+        n_simplices > kMostGrowth * best_->n_simplices || ++stretched_rounds_ > kStretchedRounds)
       return true;
     std::erase_if(boundary.faults,
                   [&](const SpacingCap<D>& cap) { return protection_.narrow_corners(cap.center, cap.radius, f); });
     return false;
+  }
+
+  /// Adds the interior, and its stretched simplices as faults. Where they are few, other random numbers may do without
+  /// them.
+  void add_best_interior(PackingProblem<D> problem, PackedInterior<D>&& interior, BoundaryPacking<D>& boundary) {
+    const Packing<D> without = boundary.packing;
+    append_interior(boundary.packing, std::move(interior));
+    boundary.faults = stretched_simplices(boundary.packing, protection_.incidence);
+    if (boundary.packing.triangulation.simplices.size() > kTriedSimplices) return;
+    const std::uint64_t seed = problem.seed;
+    for (std::uint64_t k = 1; k <= kInteriorTries; ++k) {
+      if (boundary.faults.empty() || boundary.faults.size() > kFewStretched) return;
+      problem.seed = hash_words(seed, k);
+      PackedInterior<D> other = pack_interior(problem, false, observer_);
+      if (!other.broken_faces.empty()) continue;
+      Packing<D> packing = without;
+      append_interior(packing, std::move(other));
+      std::vector<SpacingCap<D>> stretched = stretched_simplices(packing, protection_.incidence);
+      if (stretched.size() >= boundary.faults.size()) continue;
+      boundary.packing = std::move(packing);
+      boundary.faults = std::move(stretched);
+    }
   }
 
   const Spacing<D>& spacing_;
