@@ -14,8 +14,8 @@ import sys
 import tempfile
 
 # Public headers in the order of the data; each may include those before it.
-PUBLIC = ["index", "error", "vec", "observer", "mesh", "domain", "spacing", "packing", "delaunay", "dual", "io",
-          "quality", "certificate", "pipeline"]
+PUBLIC = ["index", "error", "vec", "observer", "mesh", "domain", "spacing", "packing", "delaunay", "dual",
+          "boundary_areas", "cell_integrals", "io", "quality", "certificate", "pipeline", "linear_system", "diffusion"]
 BASICS = ["index", "error", "vec", "observer"]
 
 
@@ -35,10 +35,12 @@ FOLDERS = {
     "spacing": (up_to("spacing"), ["base", "geom"]),
     "packing": (up_to("packing"), ["base", "geom", "spheres"]),
     "delaunay": (up_to("delaunay"), ["base", "geom", "mesh", "spheres"]),
-    "dual": (up_to("dual"), ["base", "geom", "mesh"]),
+    "dual": (up_to("cell_integrals"), ["base", "geom", "mesh"]),
     "quality": (up_to("quality"), ["base", "geom", "mesh"]),
     "certificate": (up_to("certificate"), ["base", "geom/predicates.h", "geom/tolerance.h"]),
-    "pipeline": (PUBLIC, ["base"]),
+    "pipeline": (up_to("pipeline"), ["base"]),
+    # Control volumes of any program: no simplices, no geometry.
+    "solve": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion"], ["base"]),
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)

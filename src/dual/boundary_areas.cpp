@@ -1,0 +1,114 @@
+#include "voropack/boundary_areas.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "geom/circumcenter.h"
+#include "mesh/faces.h"
+
+namespace voropack {
+
+namespace {
+
+template <int D>
+using FaceKey = std::array<VertexId, D>;
+
+template <int D>
+FaceKey<D> sorted(FaceKey<D> vertices) {
+  std::sort(vertices.begin(), vertices.end());
+  return vertices;
+}
+
+/// A face of the hull, and what lies on its one side.
+template <int D>
+struct HullFace {
+  FaceKey<D> key;
+  int region = 0;
+  int marker = 0;
+};
+
+/// What one boundary face adds to the patch of one of its corners.
+template <int D>
+struct Share {
+  VertexId vertex;
+  int marker = 0, region = 0;
+  double area = 0;
+  Vec<D> moment;  ///< Area times centroid.
+
+  [[nodiscard]] auto patch() const { return std::tie(vertex, marker, region); }
+};
+
+/// Every face without a neighbor, sorted by its vertices, with the marker that the mesh lists for it.
+template <int D>
+std::vector<HullFace<D>> hull_faces(const Mesh<D>& mesh) {
+  std::vector<HullFace<D>> hull;
+  for (const SimplexId s : ids(mesh.simplex_vertices))
+    for (int i = 0; i <= D; ++i)
+      if (mesh.simplex_neighbors[s][static_cast<std::size_t>(i)].is_none())
+        hull.push_back({sorted<D>(face_vertices(mesh, s, i)), mesh.simplex_region[s]});
+  std::sort(hull.begin(), hull.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
+  for (const BoundaryId b : ids(mesh.boundary_vertices)) {
+    const FaceKey<D> key = sorted<D>(mesh.boundary_vertices[b]);
+    const auto found =
+        std::lower_bound(hull.begin(), hull.end(), key, [](const auto& face, const auto& k) { return face.key < k; });
+    if (found != hull.end() && found->key == key) found->marker = mesh.boundary_marker[b];
+  }
+  return hull;
+}
+
+void add_shares(const Mesh<2>& mesh, const HullFace<2>& face, std::vector<Share<2>>& shares) {
+  const std::array<Vec<2>, 2> x = {mesh.points[face.key[0]], mesh.points[face.key[1]]};
+  const double area = 0.5 * distance(x[0], x[1]);
+  for (std::size_t k = 0; k < 2; ++k)
+    shares.push_back({face.key[k], face.marker, face.region, area, area * (0.75 * x[k] + 0.25 * x[1 - k])});
+}
+
+/// The kite of a corner consists of a right triangle for each of its two edges: corner, midpoint of the edge,
+/// circumcenter. Its area is |edge|^2 / 8 times the cotangent of the opposite angle, signed.
+void add_shares(const Mesh<3>& mesh, const HullFace<3>& face, std::vector<Share<3>>& shares) {
+  const std::array<Vec<3>, 3> x = {mesh.points[face.key[0]], mesh.points[face.key[1]], mesh.points[face.key[2]]};
+  const double twice_area = norm(cross(x[1] - x[0], x[2] - x[0]));
+  const Vec<3> center = triangle_circumcenter(x[0], x[1], x[2]);
+  for (std::size_t a = 0; a < 3; ++a) {
+    Share<3> share{face.key[a], face.marker, face.region, 0, {}};
+    for (const std::size_t b : {(a + 1) % 3, (a + 2) % 3}) {
+      const std::size_t c = 3 - a - b;
+      const double area = distance_sq(x[a], x[b]) / 8 * dot(x[a] - x[c], x[b] - x[c]) / twice_area;
+      share.area += area;
+      share.moment += (area / 3) * (1.5 * x[a] + 0.5 * x[b] + center);
+    }
+    shares.push_back(share);
+  }
+}
+
+}  // namespace
+
+template <int D>
+BoundaryAreas<D> build_boundary_areas(const Mesh<D>& mesh) {
+  std::vector<Share<D>> shares;
+  for (const HullFace<D>& face : hull_faces(mesh)) add_shares(mesh, face, shares);
+  std::stable_sort(shares.begin(), shares.end(), [](const auto& a, const auto& b) { return a.patch() < b.patch(); });
+
+  BoundaryAreas<D> out;
+  for (std::size_t begin = 0, end = 0; begin < shares.size(); begin = end) {
+    Share<D> sum = shares[begin];
+    for (end = begin + 1; end < shares.size() && shares[end].patch() == sum.patch(); ++end) {
+      sum.area += shares[end].area;
+      sum.moment += shares[end].moment;
+    }
+    out.patch_vertex.push_back(sum.vertex);
+    out.patch_marker.push_back(sum.marker);
+    out.patch_region.push_back(sum.region);
+    out.patch_area.push_back(sum.area);
+    out.patch_centroid.push_back(sum.area > 0 ? sum.moment / sum.area : mesh.points[sum.vertex]);
+  }
+  return out;
+}
+
+template BoundaryAreas<2> build_boundary_areas(const Mesh<2>&);
+template BoundaryAreas<3> build_boundary_areas(const Mesh<3>&);
+
+}  // namespace voropack

@@ -1,0 +1,129 @@
+#include "solve/check_volumes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "base/parallel.h"
+#include "voropack/error.h"
+
+namespace voropack {
+
+namespace {
+
+[[noreturn]] void fail(std::string message) {
+  throw InputError(Fault{.id = "solve.bad_volumes",
+                         .message = std::move(message),
+                         .fix = "see the descriptions of ControlVolumes and BoundaryAreas"});
+}
+
+void check_lengths(std::string_view what, std::initializer_list<std::size_t> lengths) {
+  for (const std::size_t n : lengths)
+    if (n != *lengths.begin())
+      fail(fmt::format("the arrays of {} have the lengths {} and {}", what, *lengths.begin(), n));
+}
+
+/// The first index for which `is_good` does not hold, or n.
+template <class Fn>
+std::size_t first_bad(std::size_t n, Fn&& is_good) {
+  constexpr std::size_t kBlock = 8192;
+  return parallel_reduce_ordered(
+      n, kBlock, n,
+      [&](std::size_t begin, std::size_t end) {
+        while (begin != end && is_good(begin)) ++begin;
+        return begin == end ? n : begin;
+      },
+      [](std::size_t a, std::size_t b) { return std::min(a, b); });
+}
+
+template <int D>
+void check_cells(const ControlVolumes<D>& volumes) {
+  const std::size_t n = volumes.cell_vertex.size();
+  const std::size_t bad = first_bad(n, [&](std::size_t i) {
+    const CellId c(i);
+    if (volumes.cell_vertex[c].value() >= volumes.sites.size()) return false;
+    if (!(volumes.cell_volume[c] > 0 && std::isfinite(volumes.cell_volume[c]))) return false;
+    if (i == 0) return volumes.cell_vertex[c] == VertexId(0);
+    // Sorted by vertex, then region, and no vertex is missing.
+    const CellId before(i - 1);
+    const std::uint32_t step = volumes.cell_vertex[c].value() - volumes.cell_vertex[before].value();
+    return step == 1 || (step == 0 && volumes.cell_region[before] < volumes.cell_region[c]);
+  });
+  if (bad != n)
+    fail(
+        fmt::format("cell {} is not sorted by vertex and region, leaves out a vertex, or has no positive volume", bad));
+  if (n == 0 || volumes.cell_vertex.back().value() + 1 != volumes.sites.size()) fail("the last vertex has no cell");
+}
+
+/// Whether vertex v has a cell in the region. The cells are known to be sorted.
+template <int D>
+bool has_cell(const ControlVolumes<D>& volumes, VertexId v, int region) {
+  const auto& vertices = volumes.cell_vertex.raw();
+  if (v.value() >= volumes.sites.size()) return false;
+  // With one region, cells are numbered as vertices.
+  auto c = static_cast<std::size_t>(v.value());
+  if (vertices[c] != v)
+    c = static_cast<std::size_t>(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin());
+  for (; c < vertices.size() && vertices[c] == v; ++c)
+    if (volumes.cell_region[CellId(c)] == region) return true;
+  return false;
+}
+
+template <int D>
+void check_faces(const ControlVolumes<D>& volumes) {
+  const std::size_t n = volumes.face_vertices.size();
+  const std::size_t bad = first_bad(n, [&](std::size_t k) {
+    const DualFaceId f(k);
+    const auto [i, j] = volumes.face_vertices[f];
+    if (!(i < j) || (k > 0 && volumes.face_vertices[f] < volumes.face_vertices[DualFaceId(k - 1)])) return false;
+    const double length = volumes.face_edge_length[f];
+    return std::isfinite(volumes.face_area[f]) && std::isfinite(length) && length > 0 &&
+           has_cell(volumes, i, volumes.face_region[f]) && has_cell(volumes, j, volumes.face_region[f]);
+  });
+  if (bad != n)
+    fail(
+        fmt::format("dual face {} is not sorted by its vertices, has no finite area or positive edge length, or lies "
+                    "in a region where its vertices have no cells",
+                    bad));
+}
+
+template <int D>
+void check_patches(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary) {
+  const std::size_t n = boundary.patch_vertex.size();
+  const std::size_t bad = first_bad(n, [&](std::size_t k) {
+    const PatchId p(k);
+    if (k > 0 && boundary.patch_vertex[p] < boundary.patch_vertex[PatchId(k - 1)]) return false;
+    return std::isfinite(boundary.patch_area[p]) && is_finite(boundary.patch_centroid[p]) &&
+           has_cell(volumes, boundary.patch_vertex[p], boundary.patch_region[p]);
+  });
+  if (bad != n)
+    fail(
+        fmt::format("boundary patch {} is not sorted by vertex, is not finite, or lies in a region where its vertex "
+                    "has no cell",
+                    bad));
+}
+
+}  // namespace
+
+template <int D>
+void check_volumes(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary) {
+  check_lengths("cells", {volumes.cell_vertex.size(), volumes.cell_region.size(), volumes.cell_volume.size()});
+  check_lengths("dual faces", {volumes.face_vertices.size(), volumes.face_region.size(), volumes.face_area.size(),
+                               volumes.face_edge_length.size()});
+  check_lengths("boundary patches",
+                {boundary.patch_vertex.size(), boundary.patch_marker.size(), boundary.patch_region.size(),
+                 boundary.patch_area.size(), boundary.patch_centroid.size()});
+  check_cells(volumes);
+  check_faces(volumes);
+  check_patches(volumes, boundary);
+}
+
+template void check_volumes(const ControlVolumes<2>&, const BoundaryAreas<2>&);
+template void check_volumes(const ControlVolumes<3>&, const BoundaryAreas<3>&);
+
+}  // namespace voropack

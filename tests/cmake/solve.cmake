@@ -1,0 +1,5 @@
+voropack_test(boundary_areas_test unit/boundary_areas_test.cpp)
+voropack_test(cell_integrals_test property/cell_integrals_test.cpp)
+voropack_test(linear_solver_test unit/linear_solver_test.cpp)
+voropack_test(diffusion_test unit/diffusion_test.cpp)
+voropack_test(diffusion_property_test property/diffusion_property_test.cpp)
