@@ -1,0 +1,88 @@
+// The solver on a packed unit cube: assembly in units of matrix-vector products, iterations, memory.
+//
+// Usage: diffusion [n_vertices = 100000] [repetitions = 5]
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+#include "support/domains.h"
+#include "voropack/diffusion.h"
+#include "voropack/pipeline.h"
+
+namespace voropack {
+namespace {
+
+double peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+/// The median time of some runs, in seconds.
+double median_seconds(int repetitions, const std::function<void()>& work) {
+  std::vector<double> seconds;
+  for (int i = 0; i < repetitions; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  std::nth_element(seconds.begin(), seconds.begin() + repetitions / 2, seconds.end());
+  return seconds[static_cast<std::size_t>(repetitions / 2)];
+}
+
+/// The paper's problem: u = exp(pi x) cos(pi y / sqrt 2) sin(pi z / sqrt 2), given on the whole boundary.
+double harmonic(const Vec<3>& x) {
+  using std::numbers::pi, std::numbers::sqrt2;
+  return std::exp(pi * x[0]) * std::cos(pi * x[1] / sqrt2) * std::sin(pi * x[2] / sqrt2);
+}
+
+void run(double n_vertices, int repetitions) {
+  MeshingOptions<3> options;
+  options.wishes.size = std::cbrt(1.3 / n_vertices);
+  options.packing.interior = Interior::kRandom;
+  const MeshingResult<3> result = make_mesh(domains::unit_cube(), options);
+  const BoundaryAreas<3> boundary = build_boundary_areas(result.mesh);
+  DiffusionProblem<3> problem;
+  for (const int marker : boundary.patch_marker) problem.conditions[marker] = Dirichlet<3>{harmonic};
+
+  const LinearSystem system = assemble(result.volumes, boundary, problem);
+  const double before = peak_bytes();
+  std::vector<double> x(system.matrix.size(), 1.0), y(x.size());
+  const double product = median_seconds(10 * repetitions, [&] { multiply(system.matrix, x, y); });
+  const double assembly = median_seconds(repetitions, [&] { assemble(result.volumes, boundary, problem); });
+  fmt::print("{} vertices, {} entries\n", system.matrix.size(), system.matrix.values.size());
+  fmt::print("matrix-vector product {:.4f} s, assembly {:.3f} s = {:.1f} products\n", product, assembly,
+             assembly / product);
+  for (const auto kind : {PreconditionerKind::kDiagonal, PreconditionerKind::kIncompleteCholesky}) {
+    LinearOptions linear;
+    linear.method = LinearMethod::kConjugateGradients;
+    linear.preconditioner = kind;
+    DiffusionSolution<3> u;
+    const double seconds = median_seconds(1, [&] { u = solve(result.volumes, boundary, problem, linear); });
+    double error = 0;
+    for (const VertexId v : ids(u.values))
+      error = std::max(error, std::abs(u.values[v] - harmonic(result.volumes.sites[v])));
+    const RegionBalance& balance = u.balances.front();
+    fmt::print("{}: {:.2f} s, {} iterations, residual {:.1e}, largest error {:.2e}, imbalance {:.1e} of {:.3g}\n",
+               u.linear.preconditioner, seconds, u.linear.n_iterations, u.linear.residual, error, balance.imbalance,
+               balance.throughput);
+  }
+  fmt::print("memory: {:.0f} MB with mesh, volumes and one matrix, {:.0f} MB at peak\n", before / 1e6,
+             peak_bytes() / 1e6);
+}
+
+}  // namespace
+}  // namespace voropack
+
+int main(int argc, char** argv) {
+  const double n_vertices = argc > 1 ? std::atof(argv[1]) : 1e5;
+  const int repetitions = argc > 2 ? std::max(1, std::atoi(argv[2])) : 5;
+  voropack::run(n_vertices, repetitions);
+}
