@@ -56,7 +56,7 @@ SparseMatrix assemble_couplings(const ControlVolumes<D>& volumes, const CellTerm
       matrix.columns[upper[i]++] = j;
       matrix.columns[lower[j]++] = i;
     }
-    const double coupling = terms.coupling(volumes, f);
+    const double coupling = terms.coupling[f];
     matrix.values[upper[i] - 1] -= coupling;
     matrix.values[lower[j] - 1] -= coupling;
     matrix.values[diagonal[i]] += coupling;

@@ -20,7 +20,7 @@ IdVector<CellId, double> cell_deficits(const ControlVolumes<D>& volumes, const B
   IdVector<CellId, double> deficit(volumes.cell_vertex.size());
   for (const DualFaceId f : ids(volumes.face_vertices)) {
     const auto [i, j] = volumes.face_vertices[f];
-    const double flow = terms.coupling(volumes, f) * (values[i] - values[j]);
+    const double flow = terms.coupling[f] * (values[i] - values[j]);
     deficit[terms.index(i, volumes.face_region[f])] += flow;
     deficit[terms.index(j, volumes.face_region[f])] -= flow;
   }

@@ -9,7 +9,6 @@
 #include <limits>
 #include <string>
 
-#include "base/parallel.h"
 #include "voropack/error.h"
 
 namespace voropack {
@@ -26,19 +25,6 @@ void check_lengths(std::string_view what, std::initializer_list<std::size_t> len
   for (const std::size_t n : lengths)
     if (n != *lengths.begin())
       fail(fmt::format("the arrays of {} have the lengths {} and {}", what, *lengths.begin(), n));
-}
-
-/// The first index for which `is_good` does not hold, or n.
-template <class Fn>
-std::size_t first_bad(std::size_t n, Fn&& is_good) {
-  constexpr std::size_t kBlock = 8192;
-  return parallel_reduce_ordered(
-      n, kBlock, n,
-      [&](std::size_t begin, std::size_t end) {
-        while (begin != end && is_good(begin)) ++begin;
-        return begin == end ? n : begin;
-      },
-      [](std::size_t a, std::size_t b) { return std::min(a, b); });
 }
 
 template <int D>

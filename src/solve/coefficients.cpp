@@ -74,8 +74,9 @@ class Evaluator {
   IdVector<CellId, double> operator()(const Coefficient<D>& coefficient) const {
     IdVector<CellId, double> values(volumes_.cell_vertex.size());
     std::visit([&](const auto& given) { fill(given, values); }, coefficient);
-    for (const CellId c : ids(values))
-      if (!lies_in(values[c], quantity_.range)) throw_out_of_range(c, values[c]);
+    const std::size_t bad =
+        first_bad(values.size(), [&](std::size_t i) { return lies_in(values[CellId(i)], quantity_.range); });
+    if (bad != values.size()) throw_out_of_range(CellId(bad), values[CellId(bad)]);
     return values;
   }
 
@@ -182,6 +183,19 @@ IdVector<PatchId, PatchTerm> evaluate_patches(const ControlVolumes<D>& volumes, 
   return terms;
 }
 
+template <int D>
+IdVector<DualFaceId, double> couplings(const ControlVolumes<D>& volumes, const CellIndex& index,
+                                       const IdVector<CellId, double>& conductivity) {
+  IdVector<DualFaceId, double> coupling(volumes.face_vertices.size());
+  parallel_for(coupling.size(), [&](std::size_t k) {
+    const DualFaceId f(k);
+    const auto [i, j] = volumes.face_vertices[f];
+    const double a = conductivity[index(i, volumes.face_region[f])], b = conductivity[index(j, volumes.face_region[f])];
+    coupling[f] = (a == b ? a : 2 / (1 / a + 1 / b)) * (volumes.face_area[f] / volumes.face_edge_length[f]);
+  });
+  return coupling;
+}
+
 /// The integral of the source over each cell.
 template <int D>
 IdVector<CellId, double> integrate_source(const ControlVolumes<D>& volumes, const DiffusionProblem<D>& problem) {
@@ -211,9 +225,11 @@ CellTerms evaluate(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& bou
   check_volumes(volumes, boundary);
   const Evaluator<D> conductivity(volumes, {"the conductivity", "solve.bad_conductivity", Range::kPositive});
   const Evaluator<D> reaction(volumes, {"the reaction", "solve.bad_reaction", Range::kNotNegative});
-  CellTerms terms{CellIndex(volumes), conductivity(problem.conductivity), reaction(problem.reaction),
+  const CellIndex index(volumes);
+  CellTerms terms{index, couplings(volumes, index, conductivity(problem.conductivity)), reaction(problem.reaction),
                   integrate_source(volumes, problem), evaluate_patches(volumes, boundary, problem.conditions)};
-  for (const CellId c : ids(terms.absorption)) terms.absorption[c] *= volumes.cell_volume[c];
+  parallel_for(terms.absorption.size(),
+               [&](std::size_t i) { terms.absorption[CellId(i)] *= volumes.cell_volume[CellId(i)]; });
   return terms;
 }
 

@@ -38,20 +38,10 @@ struct PatchTerm {
 
 struct CellTerms {
   CellIndex index;
-  IdVector<CellId, double> conductivity;  ///< [n_cells] kappa at the site.
+  IdVector<DualFaceId, double> coupling;  ///< [n_faces] kappa |A| / h, with the harmonic mean of kappa at the two ends.
   IdVector<CellId, double> absorption;    ///< [n_cells] sigma |V_i|
   IdVector<CellId, double> source;        ///< [n_cells] integral of f.
   IdVector<PatchId, PatchTerm> patches;   ///< [n_patches]
-
-  /// The coupling of a dual face: kappa |A| / h, with the harmonic mean of kappa at its ends.
-  template <int D>
-  [[nodiscard]] double coupling(const ControlVolumes<D>& volumes, DualFaceId f) const {
-    const auto [i, j] = volumes.face_vertices[f];
-    const int region = volumes.face_region[f];
-    const double a = conductivity[index(i, region)], b = conductivity[index(j, region)];
-    const double mean = a == b ? a : 2 / (1 / a + 1 / b);
-    return mean * (volumes.face_area[f] / volumes.face_edge_length[f]);
-  }
 };
 
 /// Checks volumes, areas and problem, and evaluates the problem. Throws as `assemble`.

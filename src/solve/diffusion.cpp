@@ -1,10 +1,13 @@
 #include "voropack/diffusion.h"
 
+#include <cstdint>
+#include <map>
 #include <vector>
 
 #include "solve/assemble.h"
 #include "solve/balance.h"
 #include "solve/coefficients.h"
+#include "solve/conservation.h"
 #include "solve/floating_parts.h"
 
 namespace voropack {
@@ -21,6 +24,22 @@ void compensate(const ControlVolumes<D>& volumes, const std::vector<FloatingPart
   for (const CellId c : ids(source)) source[c] -= sink[volumes.cell_vertex[c]] * volumes.cell_volume[c];
 }
 
+/// Numbers the regions, and puts each vertex into the group of its region; those on interfaces form one more.
+template <int D>
+IdVector<VertexId, std::uint32_t> region_groups(const ControlVolumes<D>& volumes, std::uint32_t& n_groups) {
+  std::map<int, std::uint32_t> number;
+  for (const int region : volumes.cell_region) number.try_emplace(region, static_cast<std::uint32_t>(number.size()));
+  const auto interface = static_cast<std::uint32_t>(number.size());
+  n_groups = interface + 1;
+  IdVector<VertexId, std::uint32_t> group(volumes.sites.size());
+  for (const CellId c : ids(volumes.cell_vertex)) {
+    const bool repeats =
+        c.value() > 0 && volumes.cell_vertex[CellId(c.value() - std::size_t{1})] == volumes.cell_vertex[c];
+    group[volumes.cell_vertex[c]] = repeats ? interface : number.at(volumes.cell_region[c]);
+  }
+  return group;
+}
+
 }  // namespace
 
 template <int D>
@@ -34,6 +53,9 @@ DiffusionSolution<D> solve(const ControlVolumes<D>& volumes, const BoundaryAreas
   DiffusionSolution<D> solution;
   solution.matrix = check_m_matrix(system);
   LinearSolution linear = solve_linear_system(system, options, observer);
+  std::uint32_t n_groups = 0;
+  const auto group = region_groups(volumes, n_groups);
+  close_balances(system, group, n_groups, linear);
   solution.values = std::move(linear.values);
   solution.linear = std::move(linear.report);
   if (!parts.empty()) {
