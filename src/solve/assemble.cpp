@@ -1,67 +1,111 @@
 #include "solve/assemble.h"
 
+#include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
+
+#include "base/parallel.h"
 
 namespace voropack {
 
 namespace {
 
-/// Whether the face belongs to the edge of the one before it, in another region.
+/// The faces of each vertex: those to later vertices are consecutive, since faces are sorted by (i, j); those to
+/// earlier ones are listed.
 template <int D>
-bool repeats_edge(const ControlVolumes<D>& volumes, DualFaceId f) {
-  return f.value() > 0 && volumes.face_vertices[f] == volumes.face_vertices[DualFaceId(f.value() - std::size_t{1})];
-}
+class VertexFaces {
+ public:
+  explicit VertexFaces(const ControlVolumes<D>& volumes) : volumes_(volumes), first_(volumes.sites.size() + 1) {
+    find_first();
+    list_earlier();
+  }
 
-/// Rows with room for the diagonal and an entry for each edge. `diagonal[i]` is the place of entry (i, i): behind one
-/// entry for each edge to an earlier vertex.
+  /// fn(other vertex, begins an edge, face) for each face of v, in ascending order of the other vertex. An edge with
+  /// parts in several regions has several faces.
+  template <class Fn>
+  void for_each(std::size_t v, Fn&& fn) const {
+    VertexId before;
+    const auto visit = [&](VertexId other, DualFaceId f) {
+      fn(other.value(), other != before, f);
+      before = other;
+    };
+    for (const DualFaceId f : earlier_[VertexId(v)]) visit(volumes_.face_vertices[f][0], f);
+    for (std::size_t f = first_[v]; f != first_[v + 1]; ++f)
+      visit(volumes_.face_vertices[DualFaceId(f)][1], DualFaceId(f));
+  }
+
+ private:
+  void find_first() {
+    const auto& vertices = volumes_.face_vertices.raw();
+    const auto owner = [&](std::size_t f) {
+      return f == vertices.size() ? first_.size() - 1 : std::size_t{vertices[f][0].value()};
+    };
+    parallel_for(vertices.size() + 1, [&](std::size_t f) {
+      for (std::size_t v = f == 0 ? 0 : owner(f - 1) + 1; v <= owner(f); ++v) first_[v] = f;
+    });
+  }
+
+  /// A counting sort, in which threads meet; then each row is sorted.
+  void list_earlier() {
+    const auto& vertices = volumes_.face_vertices.raw();
+    // offsets[v + 2] counts row v, so that offsets[v + 1] is where row v grows while it is filled.
+    std::vector<std::uint64_t>& offsets = earlier_.offsets;
+    const auto increment = [&](std::size_t k) {
+      return std::atomic_ref(offsets[k]).fetch_add(1, std::memory_order_relaxed);
+    };
+    offsets.assign(volumes_.sites.size() + 2, 0);
+    parallel_for(vertices.size(), [&](std::size_t f) { increment(vertices[f][1].value() + std::size_t{2}); });
+    for (std::size_t k = 2; k < offsets.size(); ++k) offsets[k] += offsets[k - 1];
+    earlier_.values.resize(vertices.size());
+    parallel_for(vertices.size(), [&](std::size_t f) {
+      earlier_.values[increment(vertices[f][1].value() + std::size_t{1})] = DualFaceId(f);
+    });
+    offsets.pop_back();
+    parallel_for(volumes_.sites.size(), [&](std::size_t v) {
+      const auto row = earlier_[VertexId(v)];
+      std::sort(row.begin(), row.end());
+    });
+  }
+
+  const ControlVolumes<D>& volumes_;
+  std::vector<std::size_t> first_;
+  Csr<VertexId, DualFaceId> earlier_;
+};
+
+/// The couplings, and on the diagonal their sum and what is absorbed.
 template <int D>
-SparseMatrix empty_rows(const ControlVolumes<D>& volumes, std::vector<std::uint64_t>& diagonal) {
+SparseMatrix assemble_matrix(const ControlVolumes<D>& volumes, const IdVector<DualFaceId, double>& coupling,
+                             const IdVector<VertexId, double>& absorption) {
   const std::size_t n = volumes.sites.size();
+  const VertexFaces<D> faces(volumes);
   SparseMatrix matrix;
   matrix.offsets.assign(n + 1, 0);
-  diagonal.assign(n, 0);
-  for (const DualFaceId f : ids(volumes.face_vertices)) {
-    if (repeats_edge(volumes, f)) continue;
-    const auto [i, j] = volumes.face_vertices[f];
-    ++matrix.offsets[i.value() + std::size_t{1}];
-    ++matrix.offsets[j.value() + std::size_t{1}];
-    ++diagonal[j.value()];
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    matrix.offsets[i + 1] += matrix.offsets[i] + 1;
-    diagonal[i] += matrix.offsets[i];
-  }
+  parallel_for(n, [&](std::size_t v) {
+    std::uint64_t n_entries = 1;
+    faces.for_each(v, [&](std::uint32_t, bool begins_edge, DualFaceId) { n_entries += begins_edge ? 1U : 0U; });
+    matrix.offsets[v + 1] = n_entries;
+  });
+  for (std::size_t v = 0; v < n; ++v) matrix.offsets[v + 1] += matrix.offsets[v];
   matrix.columns.resize(matrix.offsets[n]);
   matrix.values.resize(matrix.offsets[n]);
-  return matrix;
-}
-
-/// The couplings, and minus their sum on the diagonal. Faces are sorted by (i, j): so the entries of a row come in
-/// ascending order on either side of the diagonal.
-template <int D>
-SparseMatrix assemble_couplings(const ControlVolumes<D>& volumes, const CellTerms& terms,
-                                std::vector<std::uint64_t>& diagonal) {
-  SparseMatrix matrix = empty_rows(volumes, diagonal);
-  const std::size_t n = matrix.size();
-  std::vector<std::uint64_t> lower(matrix.offsets.begin(), matrix.offsets.end() - 1), upper(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    upper[i] = diagonal[i] + 1;
-    matrix.columns[diagonal[i]] = static_cast<std::uint32_t>(i);
-  }
-  for (const DualFaceId f : ids(volumes.face_vertices)) {
-    const std::uint32_t i = volumes.face_vertices[f][0].value(), j = volumes.face_vertices[f][1].value();
-    if (!repeats_edge(volumes, f)) {
-      matrix.columns[upper[i]++] = j;
-      matrix.columns[lower[j]++] = i;
-    }
-    const double coupling = terms.coupling[f];
-    matrix.values[upper[i] - 1] -= coupling;
-    matrix.values[lower[j] - 1] -= coupling;
-    matrix.values[diagonal[i]] += coupling;
-    matrix.values[diagonal[j]] += coupling;
-  }
+  parallel_for(n, [&](std::size_t v) {
+    std::uint64_t next = matrix.offsets[v], diagonal = matrix.offsets[v + 1];  // At first where it surely is not.
+    double sum = 0;
+    const auto place_diagonal = [&] {
+      diagonal = next++;
+      matrix.columns[diagonal] = static_cast<std::uint32_t>(v);
+    };
+    faces.for_each(v, [&](std::uint32_t other, bool begins_edge, DualFaceId f) {
+      if (other > v && diagonal == matrix.offsets[v + 1]) place_diagonal();
+      if (begins_edge) matrix.columns[next++] = other;
+      matrix.values[next - 1] -= coupling[f];
+      sum += coupling[f];
+    });
+    if (diagonal == matrix.offsets[v + 1]) place_diagonal();
+    matrix.values[diagonal] = sum + absorption[VertexId(v)];
+  });
   return matrix;
 }
 
@@ -71,8 +115,7 @@ template <int D>
 LinearSystem assemble_terms(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary,
                             const CellTerms& terms) {
   const std::size_t n = volumes.sites.size();
-  std::vector<std::uint64_t> diagonal;
-  LinearSystem system{.matrix = assemble_couplings(volumes, terms, diagonal),
+  LinearSystem system{.matrix = {},
                       .load = IdVector<VertexId, double>(n),
                       .absorption = IdVector<VertexId, double>(n),
                       .is_fixed = IdVector<VertexId, std::uint8_t>(n),
@@ -90,7 +133,7 @@ LinearSystem assemble_terms(const ControlVolumes<D>& volumes, const BoundaryArea
     system.is_fixed[v] = 1;  // Patches are sorted by marker: the smallest one wins.
     system.fixed_value[v] = term.value;
   }
-  for (std::size_t i = 0; i < n; ++i) system.matrix.values[diagonal[i]] += system.absorption[VertexId(i)];
+  system.matrix = assemble_matrix(volumes, terms.coupling, system.absorption);
   return system;
 }
 
