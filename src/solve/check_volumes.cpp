@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <initializer_list>
 #include <string>
+#include <string_view>
+#include <utility>
 
+#include "solve/cell_index.h"
 #include "voropack/error.h"
 
 namespace voropack {
@@ -46,30 +49,22 @@ void check_cells(const ControlVolumes<D>& volumes) {
   if (n == 0 || volumes.cell_vertex.back().value() + 1 != volumes.sites.size()) fail("the last vertex has no cell");
 }
 
-/// Whether vertex v has a cell in the region. The cells are known to be sorted.
-template <int D>
-bool has_cell(const ControlVolumes<D>& volumes, VertexId v, int region) {
-  const auto& vertices = volumes.cell_vertex.raw();
-  if (v.value() >= volumes.sites.size()) return false;
-  // With one region, cells are numbered as vertices.
-  auto c = static_cast<std::size_t>(v.value());
-  if (vertices[c] != v)
-    c = static_cast<std::size_t>(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin());
-  for (; c < vertices.size() && vertices[c] == v; ++c)
-    if (volumes.cell_region[CellId(c)] == region) return true;
-  return false;
+/// An edge as one number that sorts as (i, j).
+std::uint64_t edge_key(const std::array<VertexId, 2>& edge) {
+  return std::uint64_t{edge[0].value()} << 32U | edge[1].value();
 }
 
 template <int D>
-void check_faces(const ControlVolumes<D>& volumes) {
-  const std::size_t n = volumes.face_vertices.size();
+void check_faces(const ControlVolumes<D>& volumes, const CellIndex& index) {
+  const std::size_t n = volumes.face_vertices.size(), n_vertices = volumes.sites.size();
   const std::size_t bad = first_bad(n, [&](std::size_t k) {
     const DualFaceId f(k);
     const auto [i, j] = volumes.face_vertices[f];
-    if (!(i < j) || (k > 0 && volumes.face_vertices[f] < volumes.face_vertices[DualFaceId(k - 1)])) return false;
+    if (!(i < j && j.value() < n_vertices)) return false;
+    if (k > 0 && edge_key(volumes.face_vertices[f]) < edge_key(volumes.face_vertices[DualFaceId(k - 1)])) return false;
     const double length = volumes.face_edge_length[f];
     return std::isfinite(volumes.face_area[f]) && std::isfinite(length) && length > 0 &&
-           has_cell(volumes, i, volumes.face_region[f]) && has_cell(volumes, j, volumes.face_region[f]);
+           index.contains(i, volumes.face_region[f]) && index.contains(j, volumes.face_region[f]);
   });
   if (bad != n)
     fail(
@@ -79,13 +74,14 @@ void check_faces(const ControlVolumes<D>& volumes) {
 }
 
 template <int D>
-void check_patches(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary) {
-  const std::size_t n = boundary.patch_vertex.size();
+void check_patches(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary, const CellIndex& index) {
+  const std::size_t n = boundary.patch_vertex.size(), n_vertices = volumes.sites.size();
   const std::size_t bad = first_bad(n, [&](std::size_t k) {
     const PatchId p(k);
-    if (k > 0 && boundary.patch_vertex[p] < boundary.patch_vertex[PatchId(k - 1)]) return false;
+    const VertexId v = boundary.patch_vertex[p];
+    if (v.value() >= n_vertices || (k > 0 && v < boundary.patch_vertex[PatchId(k - 1)])) return false;
     return std::isfinite(boundary.patch_area[p]) && is_finite(boundary.patch_centroid[p]) &&
-           has_cell(volumes, boundary.patch_vertex[p], boundary.patch_region[p]);
+           index.contains(v, boundary.patch_region[p]);
   });
   if (bad != n)
     fail(
@@ -105,8 +101,9 @@ void check_volumes(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& bou
                 {boundary.patch_vertex.size(), boundary.patch_marker.size(), boundary.patch_region.size(),
                  boundary.patch_area.size(), boundary.patch_centroid.size()});
   check_cells(volumes);
-  check_faces(volumes);
-  check_patches(volumes, boundary);
+  const CellIndex index(volumes);
+  check_faces(volumes, index);
+  check_patches(volumes, boundary, index);
 }
 
 template void check_volumes(const ControlVolumes<2>&, const BoundaryAreas<2>&);

@@ -5,28 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "solve/cell_index.h"
 #include "voropack/diffusion.h"
 
 namespace voropack {
-
-/// Finds the cell of a vertex in a region.
-class CellIndex {
- public:
-  template <int D>
-  explicit CellIndex(const ControlVolumes<D>& volumes) : first_(volumes.sites.size()), region_(&volumes.cell_region) {
-    for (std::size_t c = volumes.cell_vertex.size(); c-- > 0;) first_[volumes.cell_vertex[CellId(c)]] = CellId(c);
-  }
-  /// The cell has to be there.
-  [[nodiscard]] CellId operator()(VertexId v, int region) const {
-    CellId c = first_[v];
-    while ((*region_)[c] != region) ++c;
-    return c;
-  }
-
- private:
-  IdVector<VertexId, CellId> first_;
-  const IdVector<CellId, int>* region_;
-};
 
 /// What a condition makes of a patch: fixed at `value`, or an inflow of `inflow` - `transfer` u.
 struct PatchTerm {
