@@ -22,18 +22,37 @@ class VertexFaces {
     list_earlier();
   }
 
-  /// fn(other vertex, begins an edge, face) for each face of v, in ascending order of the other vertex. An edge with
-  /// parts in several regions has several faces.
+  /// fn(other vertex, begins an edge, face) for each face of v to an earlier vertex, in ascending order of these. An
+  /// edge with parts in several regions has several faces.
   template <class Fn>
-  void for_each(std::size_t v, Fn&& fn) const {
+  void for_each_earlier(std::size_t v, Fn&& fn) const {
     VertexId before;
-    const auto visit = [&](VertexId other, DualFaceId f) {
-      fn(other.value(), other != before, f);
+    for (const DualFaceId f : earlier_[VertexId(v)]) {
+      const VertexId other = volumes_.face_vertices[f][0];
+      fn(other, other != before, f);
       before = other;
-    };
-    for (const DualFaceId f : earlier_[VertexId(v)]) visit(volumes_.face_vertices[f][0], f);
-    for (std::size_t f = first_[v]; f != first_[v + 1]; ++f)
-      visit(volumes_.face_vertices[DualFaceId(f)][1], DualFaceId(f));
+    }
+  }
+
+  /// The same for later vertices.
+  template <class Fn>
+  void for_each_later(std::size_t v, Fn&& fn) const {
+    VertexId before;
+    for (std::size_t f = first_[v]; f != first_[v + 1]; ++f) {
+      const VertexId other = volumes_.face_vertices[DualFaceId(f)][1];
+      fn(other, other != before, DualFaceId(f));
+      before = other;
+    }
+  }
+
+  /// The number of edges at v.
+  [[nodiscard]] std::size_t degree(std::size_t v) const {
+    if (!edges_repeat_) return earlier_[VertexId(v)].size() + (first_[v + 1] - first_[v]);
+    std::size_t n_edges = 0;
+    const auto count = [&](VertexId, bool begins_edge, DualFaceId) { n_edges += begins_edge ? 1U : 0U; };
+    for_each_earlier(v, count);
+    for_each_later(v, count);
+    return n_edges;
   }
 
  private:
@@ -43,6 +62,8 @@ class VertexFaces {
       return f == vertices.size() ? first_.size() - 1 : std::size_t{vertices[f][0].value()};
     };
     parallel_for(vertices.size() + 1, [&](std::size_t f) {
+      if (f > 0 && f < vertices.size() && vertices[f] == vertices[f - 1])
+        std::atomic_ref(edges_repeat_).store(true, std::memory_order_relaxed);
       for (std::size_t v = f == 0 ? 0 : owner(f - 1) + 1; v <= owner(f); ++v) first_[v] = f;
     });
   }
@@ -70,7 +91,8 @@ class VertexFaces {
   }
 
   const ControlVolumes<D>& volumes_;
-  std::vector<std::size_t> first_;
+  std::vector<std::size_t> first_;  ///< [n_vertices + 1] the first face to a later vertex.
+  bool edges_repeat_ = false;       ///< Some edge has several faces.
   Csr<VertexId, DualFaceId> earlier_;
 };
 
@@ -82,29 +104,23 @@ SparseMatrix assemble_matrix(const ControlVolumes<D>& volumes, const IdVector<Du
   const VertexFaces<D> faces(volumes);
   SparseMatrix matrix;
   matrix.offsets.assign(n + 1, 0);
-  parallel_for(n, [&](std::size_t v) {
-    std::uint64_t n_entries = 1;
-    faces.for_each(v, [&](std::uint32_t, bool begins_edge, DualFaceId) { n_entries += begins_edge ? 1U : 0U; });
-    matrix.offsets[v + 1] = n_entries;
-  });
+  parallel_for(n, [&](std::size_t v) { matrix.offsets[v + 1] = faces.degree(v) + 1; });
   for (std::size_t v = 0; v < n; ++v) matrix.offsets[v + 1] += matrix.offsets[v];
   matrix.columns.resize(matrix.offsets[n]);
   matrix.values.resize(matrix.offsets[n]);
   parallel_for(n, [&](std::size_t v) {
-    std::uint64_t next = matrix.offsets[v], diagonal = matrix.offsets[v + 1];  // At first where it surely is not.
-    double sum = 0;
-    const auto place_diagonal = [&] {
-      diagonal = next++;
-      matrix.columns[diagonal] = static_cast<std::uint32_t>(v);
-    };
-    faces.for_each(v, [&](std::uint32_t other, bool begins_edge, DualFaceId f) {
-      if (other > v && diagonal == matrix.offsets[v + 1]) place_diagonal();
-      if (begins_edge) matrix.columns[next++] = other;
+    std::uint64_t next = matrix.offsets[v];
+    double sum = absorption[VertexId(v)];
+    const auto add = [&](VertexId other, bool begins_edge, DualFaceId f) {
+      if (begins_edge) matrix.columns[next++] = other.value();
       matrix.values[next - 1] -= coupling[f];
       sum += coupling[f];
-    });
-    if (diagonal == matrix.offsets[v + 1]) place_diagonal();
-    matrix.values[diagonal] = sum + absorption[VertexId(v)];
+    };
+    faces.for_each_earlier(v, add);
+    const std::uint64_t diagonal = next++;
+    faces.for_each_later(v, add);
+    matrix.columns[diagonal] = static_cast<std::uint32_t>(v);
+    matrix.values[diagonal] = sum;
   });
   return matrix;
 }

@@ -9,6 +9,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "solve/cell_index.h"
@@ -79,13 +80,18 @@ void check_patches(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& bou
   const std::size_t bad = first_bad(n, [&](std::size_t k) {
     const PatchId p(k);
     const VertexId v = boundary.patch_vertex[p];
-    if (v.value() >= n_vertices || (k > 0 && v < boundary.patch_vertex[PatchId(k - 1)])) return false;
+    if (v.value() >= n_vertices) return false;
+    const auto key = [&](PatchId q) {
+      return std::tuple(boundary.patch_vertex[q], boundary.patch_marker[q], boundary.patch_region[q]);
+    };
+    if (k > 0 && !(key(PatchId(k - 1)) < key(p))) return false;
     return std::isfinite(boundary.patch_area[p]) && is_finite(boundary.patch_centroid[p]) &&
            index.contains(v, boundary.patch_region[p]);
   });
   if (bad != n)
     fail(
-        fmt::format("boundary patch {} is not sorted by vertex, is not finite, or lies in a region where its vertex "
+        fmt::format("boundary patch {} is not sorted by vertex, marker and region, is not finite, or lies in a region "
+                    "where its vertex "
                     "has no cell",
                     bad));
 }

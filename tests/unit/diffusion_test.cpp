@@ -208,6 +208,11 @@ TEST(Diffusion, RefusesVolumesThatDoNotFitTogether) {
   EXPECT_EQ(id_of([](Strip& s) { s.volumes.face_vertices[DualFaceId(1)] = {v0, v1}; }), "solve.bad_volumes");
   EXPECT_EQ(id_of([](Strip& s) { s.volumes.face_edge_length[DualFaceId(1)] = 0; }), "solve.bad_volumes");
   EXPECT_EQ(id_of([](Strip& s) { s.boundary.patch_region[PatchId(0)] = 2; }), "solve.bad_volumes");
+  EXPECT_EQ(id_of([](Strip& s) {
+              s.boundary.patch_vertex[PatchId(1)] = v0;
+              s.boundary.patch_marker[PatchId(1)] = 0;
+            }),
+            "solve.bad_volumes");
   EXPECT_EQ(id_of([](Strip& s) { s.volumes.sites.push_back({9.0, 9.0}); }), "solve.bad_volumes");
 }
 
