@@ -2,6 +2,7 @@
 //
 // Usage: diffusion [n_vertices = 100000] [repetitions = 5]
 #include <fmt/format.h>
+#include <malloc.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -82,6 +83,9 @@ void run(double n_vertices, int repetitions) {
 }  // namespace voropack
 
 int main(int argc, char** argv) {
+  // As the program does: freed memory is kept for what comes next.
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, -1);
   const double n_vertices = argc > 1 ? std::atof(argv[1]) : 1e5;
   const int repetitions = argc > 2 ? std::max(1, std::atoi(argv[2])) : 5;
   voropack::run(n_vertices, repetitions);
