@@ -99,7 +99,7 @@ struct DiffusionSolution {
 ///
 /// Where kappa varies within a region, c_ij takes the harmonic mean of its values at i and j. A matrix of control
 /// volumes without negative areas is an M-matrix.
-/// Cost: O(n), one pass over the dual faces.
+/// Cost: O(n): some 20 products of the matrix and a vector. The same result for any number of threads.
 /// Throws: InputError solve.bad_volumes      if arrays do not fit together, or a number is not finite.
 ///         InputError solve.unknown_marker   if no boundary has the marker of a condition; names the nearest.
 ///         InputError solve.unknown_region   if a coefficient names a region that is not there, or misses one.
