@@ -49,4 +49,15 @@ template <int D>
 QualityReport measure_quality(const Mesh<D>& mesh, const ControlVolumes<D>& volumes,
                               Observer& observer = silent_observer());
 
+/// The largest ratios over the simplices of a mesh. Slivers have a small radius_edge and a large radius_ratio.
+struct ShapeRatios {
+  double radius_edge = 0;   ///< Circumradius over shortest edge.
+  double radius_ratio = 0;  ///< Circumradius over inradius; infinite if a simplex is flat or negatively oriented.
+};
+template <int D>
+ShapeRatios max_shape_ratios(const Mesh<D>& mesh);
+
+/// The smallest dihedral angle of a tetrahedron, in degrees. Accurate however small.
+double min_dihedral_deg(const Mesh<3>& mesh, SimplexId s);
+
 }  // namespace voropack

@@ -15,7 +15,8 @@ import tempfile
 
 # Public headers in the order of the data; each may include those before it.
 PUBLIC = ["index", "error", "vec", "observer", "mesh", "domain", "spacing", "packing", "delaunay", "dual",
-          "boundary_areas", "cell_integrals", "io", "quality", "certificate", "pipeline", "linear_system", "diffusion"]
+          "boundary_areas", "cell_integrals", "io", "quality", "certificate", "pipeline", "linear_system", "diffusion",
+          "norms"]
 BASICS = ["index", "error", "vec", "observer"]
 
 
@@ -41,6 +42,7 @@ FOLDERS = {
     "pipeline": (up_to("pipeline"), ["base"]),
     # Control volumes of any program: no simplices, no geometry.
     "solve": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion"], ["base"]),
+    "norms": (BASICS + ["mesh", "dual", "norms"], ["base", "geom", "mesh"]),
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
