@@ -41,11 +41,11 @@ VertexValues vertex_errors(const IdVector<VertexId, Vec<D>>& points, const Verte
 /// The largest magnitude; NaN if there is one.
 double max_norm(const VertexValues& values);
 
-/// || u_h - u || in L2 for the P1 function u_h with the given vertex values, by quadrature of degree 5.
+/// || u_h - u || in L2 for the P1 function u_h with the given vertex values, by quadrature of degree 7.
 template <int D>
 double l2_error(const Mesh<D>& mesh, const VertexValues& values, const std::function<double(const Vec<D>&)>& exact);
 
-/// || grad(u_h - u) || in L2, by quadrature of degree 5. With `keep`, over the simplices for which it is true.
+/// || grad(u_h - u) || in L2, by quadrature of degree 7. With `keep`, over the simplices for which it is true.
 template <int D>
 double h1_error(const Mesh<D>& mesh, const VertexValues& values,
                 const std::function<Vec<D>(const Vec<D>&)>& exact_gradient,

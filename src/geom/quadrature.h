@@ -1,4 +1,5 @@
-// Quadrature on simplices: points with positive weights inside the simplex, exact for polynomials of degree 5.
+// Quadrature on simplices: points with positive weights inside the simplex. A rule of degree 5 with few points for what
+// a method integrates, and one of degree 7 for what judges it.
 #pragma once
 
 #include <array>
@@ -77,6 +78,39 @@ constexpr std::array<QuadraturePoint<3>, 14> make_tetrahedron_rule() {
   return rule;
 }
 
+/// The four points of Gauss and Jacobi on [0, 1] for the weight (1 - t)^a, a = 0, 1, 2; weights divided by their sum.
+struct GaussJacobi {
+  std::array<double, 4> point, weight;
+};
+inline constexpr std::array<GaussJacobi, 3> kGaussJacobi = {{
+    {{0.06943184420297371239, 0.33000947820757186760, 0.66999052179242813240, 0.93056815579702628761},
+     {0.17392742256872692869, 0.32607257743127307131, 0.32607257743127307131, 0.17392742256872692869}},
+    {{0.05710419611451768219, 0.27684301363812382768, 0.58359043236891682006, 0.86024013565621944785},
+     {0.27101382686297623242, 0.40692913602054272158, 0.25969509521646488165, 0.06236194190001616435}},
+    {{0.04850054944699732930, 0.23860073755186230506, 0.51704729510436750234, 0.79585141789677286330},
+     {0.33266524683383395105, 0.43037636939764262714, 0.20590166151876922595, 0.03105672224975419585}},
+}};
+
+/// Stroud's conical product of 4^K points: each coordinate is a share of what the ones before leave.
+template <int K>
+constexpr auto make_conical_rule() {
+  constexpr std::size_t kSize = K == 1 ? 4 : K == 2 ? 16 : 64;
+  std::array<QuadraturePoint<K>, kSize> rule{};
+  for (std::size_t p = 0; p < kSize; ++p) {
+    double rest = 1, weight = 1;
+    std::size_t digits = p;
+    for (std::size_t k = 0; k < K; ++k, digits /= 4) {
+      const GaussJacobi& line = kGaussJacobi[K - 1 - k];
+      rule[p].barycentric[k] = rest * line.point[digits % 4];
+      rest *= 1 - line.point[digits % 4];
+      weight *= line.weight[digits % 4];
+    }
+    rule[p].barycentric[K] = rest;
+    rule[p].weight = weight;
+  }
+  return rule;
+}
+
 }  // namespace quadrature_detail
 
 /// The rule of degree kQuadratureDegree on a K-simplex.
@@ -88,5 +122,10 @@ template <>
 inline constexpr std::array<QuadraturePoint<2>, 7> kQuadrature<2> = quadrature_detail::make_triangle_rule();
 template <>
 inline constexpr std::array<QuadraturePoint<3>, 14> kQuadrature<3> = quadrature_detail::make_tetrahedron_rule();
+
+/// The degree of the polynomials that `kFineQuadrature` integrates exactly, with 4^K points.
+inline constexpr int kFineQuadratureDegree = 7;
+template <int K>
+inline constexpr auto kFineQuadrature = quadrature_detail::make_conical_rule<K>();
 
 }  // namespace voropack

@@ -88,7 +88,7 @@ double l2_error(const Mesh<D>& mesh, const VertexValues& values, const std::func
     const SimplexId s(k);
     const auto p = corner_positions(mesh, s);
     double sum = 0;
-    for (const QuadraturePoint<D>& q : kQuadrature<D>) {
+    for (const QuadraturePoint<D>& q : kFineQuadrature<D>) {
       double value = 0;
       for (std::size_t i = 0; i <= D; ++i) value += q.barycentric[i] * values[mesh.simplex_vertices[s][i]];
       const double error = value - exact(q.at(p));
@@ -113,7 +113,8 @@ double h1_error(const Mesh<D>& mesh, const VertexValues& values,
     for (std::size_t i = 1; i <= D; ++i) gradient += (values[corners[i]] - values[corners[0]]) * g.normal[i];
     gradient = gradient / g.determinant;
     double sum = 0;
-    for (const QuadraturePoint<D>& q : kQuadrature<D>) sum += q.weight * norm_sq(gradient - exact_gradient(q.at(p)));
+    for (const QuadraturePoint<D>& q : kFineQuadrature<D>)
+      sum += q.weight * norm_sq(gradient - exact_gradient(q.at(p)));
     return sum * g.determinant / kFactorial<D>;
   }));
 }
