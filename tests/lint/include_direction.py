@@ -16,7 +16,7 @@ import tempfile
 # Public headers in the order of the data; each may include those before it.
 PUBLIC = ["index", "error", "vec", "observer", "mesh", "domain", "spacing", "packing", "delaunay", "dual",
           "boundary_areas", "cell_integrals", "io", "quality", "certificate", "pipeline", "linear_system", "diffusion",
-          "norms"]
+          "fem", "norms"]
 BASICS = ["index", "error", "vec", "observer"]
 
 
@@ -42,6 +42,7 @@ FOLDERS = {
     "pipeline": (up_to("pipeline"), ["base"]),
     # Control volumes of any program: no simplices, no geometry.
     "solve": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion"], ["base"]),
+    "fem": (BASICS + ["mesh", "linear_system", "diffusion", "fem"], ["base", "geom", "mesh"]),
     "norms": (BASICS + ["mesh", "dual", "norms"], ["base", "geom", "mesh"]),
 }
 
