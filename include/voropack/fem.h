@@ -38,11 +38,19 @@ IdVector<VertexId, double> load_vector(const Mesh<D>& mesh, const Coefficient<D>
 template <int D>
 LinearSystem assemble_fem(const Mesh<D>& mesh, const DiffusionProblem<D>& problem);
 
+/// The diagonal as preconditioner: the matrix is in general no M-matrix, and incomplete Cholesky breaks down on
+/// slivers.
+inline LinearOptions fem_linear_options() {
+  LinearOptions options;
+  options.preconditioner = PreconditionerKind::kDiagonal;
+  return options;
+}
+
 /// Assembles and solves.
 ///
 /// Throws: as `assemble_fem` and `solve_linear_system`: solve.singular where nothing fixes the solution.
 template <int D>
-LinearSolution solve_fem(const Mesh<D>& mesh, const DiffusionProblem<D>& problem, const LinearOptions& options = {},
-                         Observer& observer = silent_observer());
+LinearSolution solve_fem(const Mesh<D>& mesh, const DiffusionProblem<D>& problem,
+                         const LinearOptions& options = fem_linear_options(), Observer& observer = silent_observer());
 
 }  // namespace voropack

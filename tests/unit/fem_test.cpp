@@ -150,6 +150,18 @@ TEST(Fem, ReproducesLinearFunctions) {
     EXPECT_LT(worst_error(delaunay_mesh(perturbed_grid<3>(6, eps)), dirichlet_problem(space), space), 1e-11) << eps;
 }
 
+TEST(Fem, IterationReachesTheDirectSolutionOnSlivers) {
+  const Function<3> exact = [](const Vec<3>& x) { return std::exp(x[0]) * std::cos(x[1]); };
+  const Mesh<3> mesh = delaunay_mesh(perturbed_grid<3>(10, 1e-4));
+  LinearOptions options = fem_linear_options();
+  options.method = LinearMethod::kConjugateGradients;
+  const LinearSolution iterated = solve_fem(mesh, dirichlet_problem(exact), options);
+  const LinearSolution direct = solve_fem(mesh, dirichlet_problem(exact));
+  EXPECT_EQ(direct.report.method, "direct");
+  EXPECT_EQ(iterated.report.preconditioner, "diagonal");
+  for (const VertexId v : ids(mesh.points)) EXPECT_NEAR(iterated.values[v], direct.values[v], 1e-9);
+}
+
 TEST(Fem, ReproducesPiecewiseLinearFunctionsOfTwoMaterials) {
   // kappa du/dx = 3 on both sides of x = 1/2.
   const Function<3> exact = [](const Vec<3>& x) { return (x[0] < 0.5 ? 3 : 0.1) * (x[0] - 0.5); };
