@@ -42,6 +42,7 @@ Command add_check_command(CLI::App& root, CommonOptions& common);
 Command add_stats_command(CLI::App& root, CommonOptions& common);
 Command add_convert_command(CLI::App& root, CommonOptions& common);
 Command add_plot_command(CLI::App& root, CommonOptions& common);
+Command add_paper_command(CLI::App& root, CommonOptions& common);
 
 /// The threads that a run uses: `wanted`, or as many as the machine has.
 int thread_count(int wanted);

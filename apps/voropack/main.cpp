@@ -87,7 +87,8 @@ int main(int argc, char** argv) {
       "Example: voropack mesh part.poly -o part.vtu --size 0.1");
   CommonOptions common;
   std::vector<Command> commands;
-  for (const auto add : {add_mesh_command, add_check_command, add_stats_command, add_convert_command, add_plot_command})
+  for (const auto add : {add_mesh_command, add_check_command, add_stats_command, add_convert_command, add_plot_command,
+                         add_paper_command})
     commands.push_back(add(root, common));
 
   try {
@@ -99,7 +100,8 @@ int main(int argc, char** argv) {
     return fail(explain(unexpected_arguments(root)));
   } catch (const CLI::ParseError& error) {
     std::string help = "voropack";
-    for (const CLI::App* command : root.get_subcommands()) help += ' ' + command->get_name();
+    for (const CLI::App* app = &root; !app->get_subcommands().empty(); help += ' ' + app->get_name())
+      app = app->get_subcommands().front();
     fmt::print(stderr, "voropack: error: {}\n  Fix: see {} --help.\n", error.what(), help);
     return static_cast<int>(ExitCode::kInput);
   } catch (const std::exception& error) {

@@ -198,35 +198,36 @@ OptionError unknown(const std::string& what, const std::string& typed, const std
 }  // namespace
 
 void check_names(const CLI::App& root, const std::vector<std::string>& arguments) {
-  std::vector<std::string> commands;
-  for (const CLI::App* command : root.get_subcommands({})) commands.push_back(command->get_name());
-
+  const CLI::App* app = &root;
   std::string help = root.get_name();
-  std::vector<std::string> options = option_names(root);
-  bool has_command = false;
   for (const std::string& argument : arguments) {
     if (argument == "--") return;
     if (argument.starts_with("--")) {
       const std::string name = argument.substr(0, argument.find('='));
+      const std::vector<std::string> options = option_names(*app);
       if (std::find(options.begin(), options.end(), name) == options.end())
         throw unknown("option", name, options, help);
-    } else if (!has_command && !argument.starts_with('-')) {
+    } else if (!app->get_subcommands({}).empty() && !argument.starts_with('-')) {
+      std::vector<std::string> commands;
+      for (const CLI::App* command : app->get_subcommands({})) commands.push_back(command->get_name());
       if (std::find(commands.begin(), commands.end(), argument) == commands.end())
         throw unknown("command", argument, commands, help);
-      has_command = true;
-      options = option_names(*root.get_subcommand(argument));
+      app = app->get_subcommand(argument);
       help += ' ' + argument;
     }
   }
 }
 
 OptionError unexpected_arguments(const CLI::App& root) {
-  const std::vector<CLI::App*> chosen = root.get_subcommands();
-  const CLI::App& command = chosen.empty() ? root : *chosen.front();
-  const std::string help = chosen.empty() ? root.get_name() : root.get_name() + ' ' + command.get_name();
+  const CLI::App* command = &root;
+  std::string help = root.get_name();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    help += ' ' + command->get_name();
+  }
   const std::vector<std::string> arguments = root.remaining(true);
   for (const std::string& argument : arguments)
-    if (argument.starts_with('-')) return unknown("option", argument, option_names(command), help);
+    if (argument.starts_with('-')) return unknown("option", argument, option_names(*command), help);
   return OptionError(Fault{.id = "cli.too_many_arguments",
                            .message = fmt::format("not expected: {}", fmt::join(arguments, " ")),
                            .fix = fmt::format("see {} --help.", help)});

@@ -76,7 +76,8 @@ void check_extension(const std::filesystem::path& path, const std::vector<std::s
 inline const std::vector<std::string> kMeshExtensions = {".node", ".vtu"};
 
 /// Throws OptionError cli.unknown_option, with the nearest known name, for the first argument that begins with -- and
-/// that neither `root` nor its chosen command knows; cli.unknown_command for a first word that is no command.
+/// that neither `root` nor its chosen command knows; cli.unknown_command for a word that is no command where one has
+/// to be.
 void check_names(const CLI::App& root, const std::vector<std::string>& arguments);
 
 /// What to say of arguments that are left after parsing: the nearest known name if one looks like an option.

@@ -176,7 +176,7 @@ Json to_json(const Report& report) {
   if (!commit().empty()) json["voropack"]["commit"] = commit();
   json["command"] = report.command;
   json["options"] = report.options;
-  json["input"] = input_json(report.input);
+  if (!report.input.file.empty()) json["input"] = input_json(report.input);
   if (report.domain) json["domain"] = input_json(*report.domain);
   if (report.quality) add_quality(json, *report.quality);
   if (report.packing) {
@@ -185,6 +185,7 @@ Json to_json(const Report& report) {
   }
   if (report.costliest_features) json["costliest_features"] = *report.costliest_features;
   if (report.certificate) json["certificate"] = certificate_json(*report.certificate);
+  if (report.figure3) json["figure3"] = *report.figure3;
   json["timing_s"] = timing_json(report.times);
   json["threads"] = report.threads;
   json["peak_memory_bytes"] = peak_memory_bytes();

@@ -36,12 +36,13 @@ struct PackingFigures {
 struct Report {
   std::string command;
   Json options = Json::object();
-  InputFile input;
+  InputFile input;                  ///< Of a command that reads no file, without name, and absent.
   std::optional<InputFile> domain;  ///< What a mesh was compared with.
   std::optional<QualityReport> quality;
   std::optional<Certificate> certificate;
   std::optional<PackingFigures> packing;
   std::optional<Json> costliest_features;
+  std::optional<Json> figure3;
   StageTimes times;
   int threads = 0;
 };

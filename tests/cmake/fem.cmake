@@ -1,1 +1,5 @@
 voropack_test(fem_test unit/fem_test.cpp support/delaunay_mesh.cpp)
+if(VOROPACK_BUILD_TOOLS)
+  voropack_test(figure3_test property/figure3_test.cpp)
+  target_link_libraries(figure3_test PRIVATE voropack_app)
+endif()

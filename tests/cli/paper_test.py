@@ -1,0 +1,111 @@
+"""The paper's tables: Figure 3 on given and on own meshes, as text, JSON, CSV and picture."""
+import csv
+import json
+import os
+import pathlib
+import unittest
+import xml.etree.ElementTree
+
+from harness import SOURCE, CommandLineTest, box_poly, square_poly
+
+SHARED = pathlib.Path(os.environ.get("VOROPACK_SHARED", SOURCE / ".." / "shared"))
+GOLDEN = SHARED / "reference" / "golden"
+COLUMNS = ["R_over_rho", "fem_H1", "fem_W", "cvm_W"]
+
+
+class Figure3(CommandLineTest):
+    def test_given_meshes_have_the_prototypes_figures(self):
+        nodes = sorted(GOLDEN.glob("*.node"))
+        if not nodes:
+            self.skipTest("no shared reference data")
+        for node in nodes:
+            self.succeed("paper", "figure3", "--mesh", node, "--report", "report.json")
+            report = self.report()
+            self.assertEqual(report["command"], "paper figure3")
+            self.assertEqual(report["input"]["file"], str(node))
+            ours, golden = report["figure3"], json.loads(node.with_suffix(".json").read_text())
+            for key in ["ntet", "nused", "nedges", "nbfaces", "nsliv"]:
+                self.assertEqual(ours[key], golden[key], f"{node.name} {key}")
+            for key, tolerance in {"cvm_W": 1e-8, "fem_W": 1e-6, "fem_H1": 1e-6, "R_over_rho": 1e-5,
+                                   "radius_edge": 1e-12, "fem_H1ns": 1e-6, "cvm_H1ns": 1e-6, "int_H1ns": 1e-6,
+                                   "cvm_H1": 1e-6, "int_H1": 1e-6, "cvm_max": 1e-8, "fem_max": 1e-6}.items():
+                self.assertLessEqual(abs(ours[key] / golden[key] - 1), tolerance, f"{node.name} {key}")
+
+    def test_table_csv_picture_and_report_agree(self):
+        result = self.succeed("paper", "figure3", "--grid", "4,6", "--eps", "0.01,0", "--seeds", "3", "--seed", "5",
+                              "-o", "a.csv", "-o", "a.svg", "--report", "report.json")
+        with open(self.folder / "a.csv", newline="", encoding="utf-8") as file:
+            table = list(csv.DictReader(file))
+        rows = self.report()["figure3"]["rows"]
+        self.assertEqual([(row["n"], row["eps"], row["seeds"]) for row in rows],
+                         [(4, 0.01, 3), (4, 0, 3), (6, 0.01, 3), (6, 0, 3)])
+        self.assertEqual(len(table), 16)
+        lines = result.stdout.splitlines()[1:]
+        self.assertEqual(len(lines), 16)
+        for k, (cells, line) in enumerate(zip(table, lines)):
+            figures = rows[k // 4][cells["col"]]
+            self.assertEqual(cells["col"], COLUMNS[k % 4])
+            self.assertEqual("paper" in figures, k < 4, "the paper has 1/4 and 0.01 only")
+            for key in ["mean", "sd", "min", "median", "max"]:
+                self.assertEqual(float(cells[key]), figures[key])
+            self.assertLessEqual(figures["min"], figures["median"])
+            self.assertLessEqual(figures["median"], figures["max"])
+            self.assertIn(cells["col"], line)
+            self.assertAlmostEqual(float(line.split()[-4]) / figures["mean"], 1, places=4)
+        self.assertEqual(float(table[0]["paper"]), 1126)
+        for k in [7, 15]:
+            self.assertEqual(float(table[k]["sd"]), 0, "without perturbation all meshes are one")
+        root = xml.etree.ElementTree.parse(self.folder / "a.svg").getroot()
+        text = "".join(root.itertext())
+        for word in ["1/4", "1/8", "FEM, H1", "CVM, W", "eps 0.01"]:
+            self.assertIn(word, text)
+
+    def test_seeds_matter_and_repeat(self):
+        run = ["paper", "figure3", "--grid", "4", "--eps", "0.01", "--seeds", "2"]
+        one = self.succeed(*run).stdout
+        self.assertEqual(one, self.succeed(*run, "--threads", "1").stdout)
+        self.assertNotEqual(one, self.succeed(*run, "--seed", "9").stdout)
+
+    def test_help(self):
+        self.assertIn("figure3", self.succeed("paper", "--help").stdout)
+        text = self.succeed("paper", "figure3", "--help").stdout
+        for word in ["--mesh", "--grid", "--eps", "--seeds", "--report", "Example: voropack paper figure3"]:
+            self.assertIn(word, text)
+
+
+class WrongUse(CommandLineTest):
+    def fails(self, *arguments, words):
+        before = self.names()
+        self.assertEqual(self.fail_with(2, "paper", *arguments, words=words).stdout, "")
+        self.assertEqual(self.names(), before, "nothing is left behind")
+
+    def test_names(self):
+        self.fails("figur3", words="did you mean 'figure3'")
+        self.fails("figure3", "--sed", "4", words="did you mean '--seed'")
+        self.fails(words="subcommand")
+
+    def test_values(self):
+        for option, value in [("--grid", "1"), ("--grid", "4,x"), ("--eps", "0.5"), ("--eps", "-1"), ("--seeds", "0")]:
+            self.fails("figure3", option, value, words=option)
+        self.fails("figure3", "-o", "a.png", words=".csv or .svg")
+        self.fails("figure3", "--mesh", "a.node", "--grid", "4", words="--grid")
+
+    def test_meshes(self):
+        self.write("square.poly", square_poly())
+        self.succeed("mesh", "square.poly", "-o", "square.node")
+        self.fails("figure3", "--mesh", "square.node", words=["2D", "3D mesh"])
+        self.write("flat.node", "5 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n5 0 0 1\n")
+        self.write("flat.ele", "2 4\n1 1 2 3 5\n2 1 2 3 4\n")
+        self.fails("figure3", "--mesh", "flat.node", words="mesh.flat_simplex")
+
+    def test_a_mesh_of_another_box(self):
+        self.write("box.poly", box_poly(hi=(1, 1, 2)))
+        self.succeed("mesh", "box.poly", "-o", "box.node", "--size", "0.4")
+        self.succeed("paper", "figure3", "--mesh", "box.node", "--report", "report.json")
+        figures = self.report()["figure3"]
+        self.assertGreater(figures["cvm_W"], 0)
+        self.assertLess(figures["radius_edge"], 2.5)
+
+
+if __name__ == "__main__":
+    unittest.main()
