@@ -42,6 +42,40 @@ Vec<3> figure3_gradient(const Vec<3>& x) {
   return {kPi * e * cy * sz, -kFrequency * e * sy * sz, kFrequency * e * cy * cz};
 }
 
+namespace {
+
+/// The Frobenius norm of the second derivatives of `figure3_solution`.
+double hessian_norm(const Vec<3>& x) {
+  const double e = std::exp(kPi * x[0]), cy = std::cos(kFrequency * x[1]), sy = std::sin(kFrequency * x[1]);
+  const double cz = std::cos(kFrequency * x[2]), sz = std::sin(kFrequency * x[2]);
+  const double xx = kPi * kPi * cy * sz, yy = -kFrequency * kFrequency * cy * sz;  // zz = yy
+  const double xy = -kPi * kFrequency * sy * sz, xz = kPi * kFrequency * cy * cz;
+  const double yz = -kFrequency * kFrequency * sy * cz;
+  return e * std::sqrt(xx * xx + 2 * yy * yy + 2 * (xy * xy + xz * xz + yz * yz));
+}
+
+/// The sides of the inequalities of Theorems 2.1 and 2.3.
+void add_theorems(const Mesh<3>& mesh, const Figure3Solutions& solutions, const VertexValues& interpolant,
+                  Figure3Details& details) {
+  const ControlVolumes<3>& volumes = solutions.volumes;
+  const VertexFlags hull = find_hull_vertices(mesh);
+  const EdgeValues u = difference_quotients(volumes, solutions.cvm), u1 = difference_quotients(volumes, interpolant);
+  const EdgeValues u2 = mean_fluxes<3>(mesh, volumes, figure3_gradient);
+  const auto w_distance = [&](const EdgeValues& a, const EdgeValues& b) {
+    EdgeValues difference(a.size());
+    for (const DualFaceId f : ids(a)) difference[f] = a[f] - b[f];
+    return std::sqrt(w_product(volumes, difference, difference, hull));
+  };
+  details.discrete_error = w_distance(u, u1);
+  details.consistency_error = w_distance(u1, u2);
+  const double rho = max_shape_ratios(mesh).radius_edge;
+  const double h = *std::max_element(volumes.face_edge_length.begin(), volumes.face_edge_length.end());
+  const double hessian = l2_error<3>(mesh, VertexValues(mesh.points.size(), 0.0), hessian_norm);
+  details.bound = (1 + 4 * rho * rho) * hessian * h;
+}
+
+}  // namespace
+
 Figure3Solutions solve_figure3(const Mesh<3>& mesh, Observer& observer) {
   Figure3Solutions solutions;
   solutions.volumes = build_control_volumes(mesh, observer);
@@ -81,6 +115,7 @@ Figure3Details measure_figure3_details(const Mesh<3>& mesh, const Figure3Solutio
   details.h1 = {h1(solutions.fem), h1(solutions.cvm), h1(interpolant)};
   details.h1_without_slivers = {h1_without_slivers(solutions.fem), h1_without_slivers(solutions.cvm),
                                 h1_without_slivers(interpolant)};
+  add_theorems(mesh, solutions, interpolant, details);
   return details;
 }
 

@@ -67,7 +67,7 @@ class LogFrame {
         const double mean = summarize(row, column).mean;
         if (!(mean > 0) || !std::isfinite(mean)) continue;
         y_lo_ = std::min(y_lo_, std::floor(std::log10(mean)));
-        y_hi_ = std::max(y_hi_, std::ceil(std::log10(mean)));
+        y_hi_ = std::max(y_hi_, std::ceil(std::log10(std::max(mean, paper_value(row.n, row.eps, column).value_or(0)))));
       }
     }
     if (x_hi_ <= x_lo_) x_hi_ = x_lo_ + 1;
@@ -111,6 +111,9 @@ std::string curve(const LogFrame& frame, const std::vector<const Figure3Row*>& r
     if (!(mean > 0) || !std::isfinite(mean)) continue;
     const double x = frame.x(row->n), y = frame.y(mean);
     line += fmt::format("{}{:.1f} {:.1f}", line.empty() ? 'M' : 'L', x, y);
+    if (const auto paper = paper_value(row->n, row->eps, column))
+      dots += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"8\" height=\"8\" fill=\"none\" stroke=\"{}\"/>\n",
+                          x - 4, frame.y(*paper) - 4, colour);
     dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\" fill=\"{}\"/>\n", x, y, colour);
   }
   return fmt::format("<path class=\"curve\" stroke=\"{}\" stroke-dasharray=\"{}\" d=\"{}\"/>\n", colour, dash, line) +
@@ -146,6 +149,8 @@ std::string figure3_svg(const std::vector<Figure3Row>& rows) {
       dash = (dash + 1) % kDashes.size();
     }
   }
+  text += fmt::format("<text x=\"{}\" y=\"{}\">squares: the paper</text>\n", kWidth - kRight + 15,
+                      kTop + 24 + 20 * static_cast<double>(place));
   return text + "</svg>\n";
 }
 

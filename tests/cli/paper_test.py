@@ -31,6 +31,15 @@ class Figure3(CommandLineTest):
                                    "cvm_H1": 1e-6, "int_H1": 1e-6, "cvm_max": 1e-8, "fem_max": 1e-6}.items():
                 self.assertLessEqual(abs(ours[key] / golden[key] - 1), tolerance, f"{node.name} {key}")
 
+    def test_theorems_hold_on_a_given_mesh(self):
+        self.write("box.poly", box_poly())
+        self.succeed("mesh", "box.poly", "-o", "box.node", "--size", "0.2")
+        self.succeed("paper", "figure3", "--mesh", "box.node", "--report", "report.json")
+        figures = self.report()["figure3"]
+        self.assertAlmostEqual(figures["U_minus_U1"] / figures["cvm_W"], 1, places=9)
+        self.assertLess(figures["U_minus_U1"], figures["U1_minus_U2"])
+        self.assertLess(figures["U1_minus_U2"], figures["bound_2_3"])
+
     def test_table_csv_picture_and_report_agree(self):
         result = self.succeed("paper", "figure3", "--grid", "4,6", "--eps", "0.01,0", "--seeds", "3", "--seed", "5",
                               "-o", "a.csv", "-o", "a.svg", "--report", "report.json")

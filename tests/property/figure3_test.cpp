@@ -53,6 +53,17 @@ TEST_P(GoldenCube, HasThePrototypesErrors) {
   expect_relative("int_H1ns", details.h1_without_slivers.interpolant, 1e-6);
 }
 
+TEST(Figure3, TheoremsHoldHoweverFlatTheSlivers) {
+  for (const double eps : {0.3, 0.01, 1e-4, 1e-8, 0.0}) {
+    const Mesh<3> mesh = delaunay_mesh(perturbed_cube_points(8, eps, 2));
+    const Figure3Solutions solutions = solve_figure3(mesh, silent_observer());
+    const Figure3Details details = measure_figure3_details(mesh, solutions);
+    EXPECT_NEAR(details.discrete_error, measure_figure3(mesh, solutions).cvm_w, 1e-12);
+    EXPECT_LE(details.discrete_error, details.consistency_error) << eps;
+    EXPECT_LE(details.consistency_error, details.bound) << eps;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Figure3, GoldenCube,
                          testing::Values("cube_n4_eps0.01_s0", "cube_n4_eps0.0001_s0", "cube_n8_eps0.01_s0"));
 

@@ -96,6 +96,44 @@ TEST(Norms, MaximumDoesNotHideNaN) {
   EXPECT_TRUE(std::isnan(max_norm(VertexValues(std::vector<double>{1, nan, 2}))));
 }
 
+template <int D>
+void expect_mean_fluxes_of_a_linear_function(const Mesh<D>& mesh) {
+  const ControlVolumes<D> volumes = build_control_volumes(mesh);
+  Vec<D> slope;
+  for (int k = 0; k < D; ++k) slope[k] = 1 + k;
+  const EdgeValues fluxes = mean_fluxes<D>(mesh, volumes, [&](const Vec<D>&) { return slope; });
+  const EdgeValues quotients =
+      difference_quotients(volumes, values_of(mesh, [&](const Vec<D>& x) { return dot(slope, x); }));
+  for (const DualFaceId f : ids(fluxes))
+    EXPECT_NEAR(volumes.face_area[f] * fluxes[f], volumes.face_area[f] * quotients[f], 1e-14);
+}
+
+TEST(Norms, MeanFluxesOfALinearFunctionAreItsDifferenceQuotients) {
+  expect_mean_fluxes_of_a_linear_function(delaunay_mesh(perturbed_grid<2>(6, 0.3)));
+  expect_mean_fluxes_of_a_linear_function(
+      delaunay_mesh<2>(perturbed_grid<2>(6, 0.1, 1, true), [](const Vec<2>& x) { return x[0] < 0.5 ? 4 : 2; }));
+  for (const double eps : {0.0, 1e-4, 0.2})
+    expect_mean_fluxes_of_a_linear_function(delaunay_mesh(perturbed_grid<3>(5, eps)));
+}
+
+TEST(Norms, MeanFluxesOfAHarmonicFunctionBalanceInEachCellInside) {
+  const Mesh<3> mesh = delaunay_mesh(perturbed_grid<3>(8, 0.1));
+  const ControlVolumes<3> volumes = build_control_volumes(mesh);
+  const EdgeValues fluxes =
+      mean_fluxes<3>(mesh, volumes, [](const Vec<3>& x) { return Vec<3>(2 * x[0] + x[1], x[0], -2 * x[2]); });
+  VertexValues sum(mesh.points.size(), 0.0);
+  for (const DualFaceId f : ids(fluxes)) {
+    sum[volumes.face_vertices[f][0]] += volumes.face_area[f] * fluxes[f];
+    sum[volumes.face_vertices[f][1]] -= volumes.face_area[f] * fluxes[f];
+  }
+  const VertexFlags hull = find_hull_vertices(mesh);
+  for (const VertexId v : ids(sum)) {
+    if (hull[v] == 0) {
+      EXPECT_NEAR(sum[v], 0, 1e-15);
+    }
+  }
+}
+
 TEST(ShapeRatios, OfARegularSimplexAndOfASliver) {
   const auto one = [](std::vector<Vec<3>> points) {
     Mesh<3> mesh;
