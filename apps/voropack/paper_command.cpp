@@ -8,6 +8,7 @@
 
 #include "command.h"
 #include "figure3.h"
+#include "perturbed_cube.h"
 
 namespace voropack::app {
 
@@ -20,6 +21,7 @@ constexpr std::uint64_t kMaxSeeds = 10'000;
 
 struct Figure3Arguments {
   std::optional<fs::path> mesh;
+  bool redelaunay = false;  ///< Take the points of `mesh` only.
   std::vector<fs::path> outputs;
   Figure3Options study;
 };
@@ -45,33 +47,46 @@ Json count_json(const Mesh<3>& mesh) {
           {"nbfaces", n_hull_faces}};
 }
 
-ExitCode measure_mesh_file(const fs::path& path, Session& session) {
+/// The T<3> that a file holds; `any` is a T of either dimension.
+template <class T, class Any>
+T take_3d(Any any, const fs::path& path) {
+  if (auto* const value = std::get_if<T>(&any)) return std::move(*value);
+  throw InputError(Fault{.id = "cli.dimension",
+                         .message = "Figure 3 is about tetrahedra, this file is 2D",
+                         .fix = "give a 3D mesh.",
+                         .file = path.string()});
+}
+
+Mesh<3> read_or_triangulate(const Figure3Arguments& arguments, Observer& observer) {
+  const fs::path& path = *arguments.mesh;
+  if (!arguments.redelaunay) return take_3d<Mesh<3>>(read_mesh(path, observer), path);
+  check_extension(path, {".node"});
+  return delaunay_mesh(take_3d<DomainInput<3>>(read_domain(path, observer), path).points);
+}
+
+ExitCode measure_mesh_file(const Figure3Arguments& arguments, Session& session) {
+  const fs::path& path = *arguments.mesh;
   session.outputs.protect(path);
   Report report;
   report.command = "paper figure3";
+  report.options["redelaunay"] = arguments.redelaunay;
   session.observer.begin_stage("read");
-  const AnyMesh any = timed(report.times, "read", [&] { return read_mesh(path, session.observer); });
-  const auto* const mesh = std::get_if<Mesh<3>>(&any);
-  if (mesh == nullptr)
-    throw InputError(Fault{.id = "cli.dimension",
-                           .message = "Figure 3 is about tetrahedra, this mesh is 2D",
-                           .fix = "give a 3D mesh.",
-                           .file = path.string()});
+  const Mesh<3> mesh = timed(report.times, "read", [&] { return read_or_triangulate(arguments, session.observer); });
   report.input = describe_file(path, 3);
   session.observer.begin_stage("figure3");
   const Figure3Solutions solutions =
-      timed(report.times, "solve", [&] { return solve_figure3(*mesh, session.observer); });
-  const Figure3 figures = timed(report.times, "norms", [&] { return measure_figure3(*mesh, solutions); });
-  const Figure3Details details =
-      timed(report.times, "norms", [&] { return measure_figure3_details(*mesh, solutions); });
-  Json json = count_json(*mesh);
-  std::string text = fmt::format("{:<14}{:>16}\n", "tetrahedra", grouped(mesh->simplex_vertices.size()));
+      timed(report.times, "solve", [&] { return solve_figure3(mesh, session.observer); });
+  const Figure3 figures = timed(report.times, "norms", [&] { return measure_figure3(mesh, solutions); });
+  const Figure3Details details = timed(report.times, "norms", [&] { return measure_figure3_details(mesh, solutions); });
+  Json json = count_json(mesh);
+  std::string text = fmt::format("{:<14}{:>16}\n", "tetrahedra", grouped(mesh.simplex_vertices.size()));
   text += fmt::format("{:<14}{:>16}\n", "slivers", grouped(details.n_slivers));
   const auto add = [&](const std::string& key, double value) {
     if (std::isfinite(value)) json[key] = value;
     text += fmt::format("{:<14}{:>16.10g}\n", key, value);
   };
   json["nsliv"] = details.n_slivers;
+  json["zero_areas"] = solutions.volumes.n_zero_areas;
   add("radius_edge", figures.radius_edge);
   for (const Column column : kColumns) add(name_of(column), value_of(figures, column));
   add("fem_max", details.fem_max);
@@ -142,6 +157,9 @@ void add_figure3_options(CLI::App& app, Figure3Arguments& arguments) {
                                            "Measure this mesh of the unit cube instead of making some: .node\n"
                                            "(with .ele) or .vtu")
                                 ->type_name("MESH");
+  app.add_flag("--redelaunay", arguments.redelaunay,
+               "With --mesh: take the points only (.node) and triangulate them anew")
+      ->needs(mesh);
   app.add_option("-o,--output", arguments.outputs, "Write the table (.csv) or a picture (.svg); may be given again")
       ->allow_extra_args(false)
       ->type_name("FILE")
@@ -191,7 +209,7 @@ Command add_paper_command(CLI::App& root, CommonOptions& common) {
       "Example: voropack paper figure3 --grid 4,8,16 --seeds 24 -o figure3.csv -o figure3.svg\n"
       "Example: voropack paper figure3 --mesh cube.node --report cube.json");
   return {app, [arguments](Session& session) {
-            return arguments->mesh ? measure_mesh_file(*arguments->mesh, session) : run_study(*arguments, session);
+            return arguments->mesh ? measure_mesh_file(*arguments, session) : run_study(*arguments, session);
           }};
 }
 

@@ -1,5 +1,6 @@
 """The paper's tables: Figure 3 on given and on own meshes, as text, JSON, CSV and picture."""
 import csv
+import itertools
 import json
 import os
 import pathlib
@@ -14,12 +15,12 @@ COLUMNS = ["R_over_rho", "fem_H1", "fem_W", "cvm_W"]
 
 
 class Figure3(CommandLineTest):
-    def test_given_meshes_have_the_prototypes_figures(self):
+    def test_given_meshes_and_points_have_the_prototypes_figures(self):
         nodes = sorted(GOLDEN.glob("*.node"))
         if not nodes:
             self.skipTest("no shared reference data")
-        for node in nodes:
-            self.succeed("paper", "figure3", "--mesh", node, "--report", "report.json")
+        for node, options in itertools.product(nodes, [[], ["--redelaunay"]]):
+            self.succeed("paper", "figure3", "--mesh", node, "--report", "report.json", *options)
             report = self.report()
             self.assertEqual(report["command"], "paper figure3")
             self.assertEqual(report["input"]["file"], str(node))
@@ -106,6 +107,19 @@ class WrongUse(CommandLineTest):
         self.write("flat.node", "5 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n5 0 0 1\n")
         self.write("flat.ele", "2 4\n1 1 2 3 5\n2 1 2 3 4\n")
         self.fails("figure3", "--mesh", "flat.node", words="mesh.flat_simplex")
+
+    def test_flat_simplices_go_away_with_new_ones(self):
+        points = [(x, y, z) for x in (0, 0.5, 1) for y in (0, 0.5, 1) for z in (0, 0.5, 1)]
+        self.write("flat.node", "27 3\n" + "".join(f"{i} {x} {y} {z}\n" for i, (x, y, z) in enumerate(points)))
+        self.write("flat.ele", "2 4\n0 0 1 3 9\n1 0 1 3 4\n")
+        self.fails("figure3", "--mesh", "flat.node", words="mesh.flat_simplex")
+        self.succeed("paper", "figure3", "--mesh", "flat.node", "--redelaunay", "--report", "report.json")
+        figures = self.report()["figure3"]
+        self.assertEqual([figures[key] for key in ["nused", "nbfaces"]], [27, 48])
+        self.assertEqual(figures["nedges"], figures["ntet"] + 24 + 27 - 1, "Euler")
+        self.assertGreater(figures["zero_areas"], 0, "the diagonals of the grid's squares")
+        self.fails("figure3", "--redelaunay", words="--mesh")
+        self.fails("figure3", "--redelaunay", "--mesh", "flat.vtu", words=".node")
 
     def test_a_mesh_of_another_box(self):
         self.write("box.poly", box_poly(hi=(1, 1, 2)))
