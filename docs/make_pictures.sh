@@ -10,3 +10,5 @@ trap 'rm -rf "$work"' EXIT
 
 "$here/../run" mesh "$here/../examples/domains/cracks.poly" -o "$work/cracks.node" --quiet
 "$here/../run" plot "$work/cracks.node" -o "$here/pictures/cracks.svg"
+
+"$here/../run" paper figure3 -o "$here/pictures/figure3.svg"

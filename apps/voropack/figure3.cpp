@@ -173,7 +173,9 @@ Summary summarize(const Figure3Row& row, Column column) {
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
   Summary summary;
-  for (const double value : values) summary.mean += value / static_cast<double>(n);
+  // From the least one on, so that equal values have no deviation.
+  for (const double value : values) summary.mean += (value - values.front()) / static_cast<double>(n);
+  summary.mean += values.front();
   for (const double value : values)
     if (n > 1) summary.deviation += (value - summary.mean) * (value - summary.mean) / static_cast<double>(n - 1);
   summary.deviation = std::sqrt(summary.deviation);
