@@ -11,6 +11,7 @@
 #include "voropack/boundary_areas.h"
 #include "voropack/diffusion.h"
 #include "voropack/dual.h"
+#include "voropack/error.h"
 #include "voropack/fem.h"
 #include "voropack/norms.h"
 #include "voropack/quality.h"
@@ -82,7 +83,12 @@ Figure3Solutions solve_figure3(const Mesh<3>& mesh, Observer& observer) {
   const BoundaryAreas<3> boundary = build_boundary_areas(mesh);
   const DiffusionProblem<3> problem = figure3_problem(boundary);
   solutions.cvm = solve(solutions.volumes, boundary, problem, {}, observer).values;
-  solutions.fem = solve_fem(mesh, problem, fem_linear_options(), observer).values;
+  try {
+    solutions.fem = solve_fem(mesh, problem, fem_linear_options(), observer).values;
+  } catch (const NumericalError& error) {
+    observer.log(LogLevel::kWarning, std::string("finite elements: ") + error.what());
+    solutions.fem = VertexValues(mesh.points.size(), NAN);
+  }
   return solutions;
 }
 
@@ -169,10 +175,12 @@ std::optional<double> paper_value(std::uint32_t n, double eps, Column column) {
 
 Summary summarize(const Figure3Row& row, Column column) {
   std::vector<double> values;
-  for (const Figure3& mesh : row.meshes) values.push_back(value_of(mesh, column));
+  for (const Figure3& mesh : row.meshes)
+    if (std::isfinite(value_of(mesh, column))) values.push_back(value_of(mesh, column));
+  if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
-  Summary summary;
+  Summary summary{.n = n, .mean = 0, .deviation = 0};
   // From the least one on, so that equal values have no deviation.
   for (const double value : values) summary.mean += (value - values.front()) / static_cast<double>(n);
   summary.mean += values.front();

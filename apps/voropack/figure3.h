@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -16,7 +17,7 @@ namespace voropack::app {
 double figure3_solution(const Vec<3>& x);
 Vec<3> figure3_gradient(const Vec<3>& x);
 
-/// The figures of one mesh.
+/// The figures of one mesh. Those of finite elements are NaN where their system cannot be solved.
 struct Figure3 {
   double cvm_w = 0;         ///< || I_h u - u_h ||_W by control volumes.
   double fem_w = 0;         ///< The same by finite elements.
@@ -25,7 +26,9 @@ struct Figure3 {
   double radius_edge = 0;   ///< Largest circumradius over shortest edge.
 };
 
-/// The discrete solutions on one mesh of -Laplace u = 0 with the values of `figure3_solution` on the hull.
+/// The discrete solutions on one mesh of -Laplace u = 0 with the values of `figure3_solution` on the hull. That of
+/// finite elements is NaN where rounding leaves their matrix indefinite or the iteration short of its goal: a sliver of
+/// height 1e-12 h has entries 1e12 times those around it.
 struct Figure3Solutions {
   ControlVolumes<3> volumes;
   IdVector<VertexId, double> cvm, fem;
@@ -77,9 +80,10 @@ struct Figure3Row {
   std::vector<Figure3> meshes;  ///< By seed.
 };
 
-/// Mean, deviation and range of one column of a row.
+/// Mean, deviation and range of one column of a row, over the meshes that have the figure; NaN if none has.
 struct Summary {
-  double mean = 0, deviation = 0, min = 0, median = 0, max = 0;
+  std::size_t n = 0;
+  double mean = NAN, deviation = NAN, min = NAN, median = NAN, max = NAN;
 };
 Summary summarize(const Figure3Row& row, Column column);
 

@@ -11,7 +11,10 @@ namespace voropack::app {
 
 namespace {
 
-std::string number(double value) { return fmt::format("{:.7g}", value); }
+std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.7g}", value) : "-"; }
+
+/// All digits; nothing if it is no number.
+std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 }  // namespace
 
@@ -24,8 +27,7 @@ std::string figure3_table(const std::vector<Figure3Row>& rows) {
       const Summary ours = summarize(row, column);
       const std::optional<double> paper = paper_value(row.n, row.eps, column);
       text += fmt::format("{:<6}{:<9}{:<12}{:>14}{:>14}{:>14}{:>14}{:>8}\n", h, eps, name_of(column),
-                          paper ? number(*paper) : "", number(ours.mean), number(ours.min), number(ours.max),
-                          row.meshes.size());
+                          paper ? number(*paper) : "", number(ours.mean), number(ours.min), number(ours.max), ours.n);
       h.clear();
       eps.clear();
     }
@@ -39,8 +41,9 @@ std::string figure3_csv(const std::vector<Figure3Row>& rows) {
     for (const Column column : kColumns) {
       const Summary s = summarize(row, column);
       const std::optional<double> paper = paper_value(row.n, row.eps, column);
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", row.n, row.eps, row.meshes.size(), name_of(column),
-                          paper ? fmt::format("{}", *paper) : "", s.mean, s.deviation, s.min, s.median, s.max);
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", row.n, row.eps, s.n, name_of(column),
+                          paper ? cell(*paper) : "", cell(s.mean), cell(s.deviation), cell(s.min), cell(s.median),
+                          cell(s.max));
     }
   return text;
 }
@@ -70,6 +73,7 @@ class LogFrame {
         y_hi_ = std::max(y_hi_, std::ceil(std::log10(std::max(mean, paper_value(row.n, row.eps, column).value_or(0)))));
       }
     }
+    if (!std::isfinite(y_lo_)) y_lo_ = y_hi_ = 0;  // Nothing to draw.
     if (x_hi_ <= x_lo_) x_hi_ = x_lo_ + 1;
     if (y_hi_ <= y_lo_) y_hi_ = y_lo_ + 1;
   }

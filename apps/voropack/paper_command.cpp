@@ -83,7 +83,7 @@ ExitCode measure_mesh_file(const Figure3Arguments& arguments, Session& session) 
   text += fmt::format("{:<14}{:>16}\n", "slivers", grouped(details.n_slivers));
   const auto add = [&](const std::string& key, double value) {
     if (std::isfinite(value)) json[key] = value;
-    text += fmt::format("{:<14}{:>16.10g}\n", key, value);
+    text += fmt::format("{:<14}{:>16}\n", key, std::isfinite(value) ? fmt::format("{:.10g}", value) : "-");
   };
   json["nsliv"] = details.n_slivers;
   json["zero_areas"] = solutions.volumes.n_zero_areas;
@@ -119,6 +119,8 @@ Json rows_json(const std::vector<Figure3Row>& rows) {
       const Summary s = summarize(row, column);
       Json& figures = json[name_of(column)];
       if (const auto paper = paper_value(row.n, row.eps, column)) figures["paper"] = *paper;
+      figures["meshes"] = s.n;
+      if (s.n == 0) continue;
       figures["mean"] = s.mean;
       figures["sd"] = s.deviation;
       figures["min"] = s.min;

@@ -70,6 +70,16 @@ class Figure3(CommandLineTest):
         for word in ["1/4", "1/8", "FEM, H1", "CVM, W", "eps 0.01"]:
             self.assertIn(word, text)
 
+    def test_slivers_too_flat_for_finite_elements_leave_control_volumes(self):
+        self.succeed("paper", "figure3", "--grid", "4", "--eps", "1e-8,1e-12,1e-15,0", "--seeds", "3", "--report",
+                     "report.json")
+        self.assertNotIn("null", (self.folder / "report.json").read_text())
+        for row in self.report()["figure3"]["rows"]:
+            self.assertEqual(row["cvm_W"]["meshes"], 3)
+            for key in ["min", "mean", "max"]:
+                self.assertAlmostEqual(row["cvm_W"][key], 0.2410636191, places=7)
+            self.assertEqual("mean" in row["fem_W"], row["fem_W"]["meshes"] > 0)
+
     def test_seeds_matter_and_repeat(self):
         run = ["paper", "figure3", "--grid", "4", "--eps", "0.01", "--seeds", "2"]
         one = self.succeed(*run).stdout
