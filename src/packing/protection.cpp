@@ -88,8 +88,8 @@ double Protection<D>::clear_radius(const Intrusion<D>& it) const {
   return std::max(above, 0.5 * norm_sq(to) * it.ball.radius / dot(to, it.ball.center - it.nearest));
 }
 
-/// By T5 only the arc between two centers on the sphere is too long, and it is there alone that f shrinks: not along the
-/// whole triangle, which reaches to the corner.
+/// By T5 only the arc between two centers on the sphere is too long, and it is there alone that f shrinks: not along
+/// the whole triangle, which reaches to the corner.
 template <int D>
 auto Protection<D>::shorten_arc(const Intrusion<D>& it) const -> Cap {
   const Vec<D> apex = domain_.points[*it.ball_corner];
