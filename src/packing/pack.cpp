@@ -93,6 +93,15 @@ void append_interior(Packing<D>& packing, PackedInterior<D>&& interior) {
   packing.triangulation_s = interior.triangulation_s;
 }
 
+/// Spheres from `n_boundary` on are those of the interior.
+template <int D>
+void replace_interior(Packing<D>& packing, std::size_t n_boundary, PackedInterior<D>&& interior) {
+  packing.center.resize(n_boundary);
+  packing.radius.resize(n_boundary);
+  packing.carrier.resize(n_boundary);
+  append_interior(packing, std::move(interior));
+}
+
 /// Has caps name facets in place of traces.
 template <int D>
 void name_given(std::vector<SpacingCap<D>>& caps, const Incidence<D>& incidence) {
@@ -238,7 +247,6 @@ class AdaptivePacker {
   /// Adds the interior, and its stretched simplices as faults. Where they are few, other random numbers may do without
   /// them.
   void add_best_interior(PackingProblem<D> problem, PackedInterior<D>&& interior, BoundaryPacking<D>& boundary) {
-    const Packing<D> without = boundary.packing;
     append_interior(boundary.packing, std::move(interior));
     boundary.faults = stretched_simplices(boundary.packing, protection_.incidence);
     if (boundary.packing.triangulation.simplices.size() > kTriedSimplices) return;
@@ -248,8 +256,8 @@ class AdaptivePacker {
       problem.seed = hash_words(seed, k);
       PackedInterior<D> other = pack_interior(problem, false, observer_);
       if (!other.broken_faces.empty()) continue;
-      Packing<D> packing = without;
-      append_interior(packing, std::move(other));
+      Packing<D> packing = boundary.packing;
+      replace_interior(packing, n_boundary_, std::move(other));
       std::vector<SpacingCap<D>> stretched = stretched_simplices(packing, protection_.incidence);
       if (stretched.size() >= boundary.faults.size()) continue;
       boundary.packing = std::move(packing);
