@@ -1,6 +1,7 @@
 #include "packing/stretched.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/parallel.h"
@@ -13,7 +14,9 @@ namespace {
 template <int D>
 struct Shape {
   Vec<D> center;
-  double radius = 0, shortest = 0;
+  double radius_sq = 0, shortest_sq = 0;
+
+  [[nodiscard]] bool is_stretched() const { return radius_sq > kRadiusEdge * kRadiusEdge * shortest_sq; }
 };
 
 template <int D>
@@ -24,7 +27,7 @@ Shape<D> shape_of(const Packing<D>& packing, const std::array<std::uint32_t, D +
   for (std::size_t i = 0; i < D; ++i)
     for (std::size_t j = i + 1; j <= D; ++j) shortest_sq = std::min(shortest_sq, distance_sq(x[i], x[j]));
   const Vec<D> center = fast_circumcenter(x);
-  return {center, distance(center, x[0]), std::sqrt(shortest_sq)};
+  return {center, distance_sq(center, x[0]), shortest_sq};
 }
 
 /// Whether two of the corners lie on polytopes, taken closed, that form a sharp feature.
@@ -47,15 +50,13 @@ template <int D>
 std::vector<SpacingCap<D>> stretched_simplices(const Packing<D>& packing, const Incidence<D>& incidence) {
   const auto& simplices = packing.triangulation.simplices;
   std::vector<std::uint8_t> is_long(simplices.size(), 0);
-  parallel_for(simplices.size(), [&](std::size_t i) {
-    const Shape<D> shape = shape_of(packing, simplices[i]);
-    is_long[i] = shape.radius > kRadiusEdge * shape.shortest ? 1 : 0;
-  });
+  parallel_for(simplices.size(),
+               [&](std::size_t i) { is_long[i] = shape_of(packing, simplices[i]).is_stretched() ? 1 : 0; });
   std::vector<SpacingCap<D>> caps;
   for (std::size_t i = 0; i < simplices.size(); ++i) {
     if (is_long[i] == 0 || is_sharp(packing, incidence, simplices[i])) continue;
     const Shape<D> shape = shape_of(packing, simplices[i]);
-    caps.push_back({shape.center, shape.radius, 0.5 * shape.shortest});
+    caps.push_back({shape.center, std::sqrt(shape.radius_sq), 0.5 * std::sqrt(shape.shortest_sq)});
   }
   return caps;
 }

@@ -25,7 +25,10 @@ template <int K>
 class Completion {
  public:
   Completion(const PackingProblem<K>& problem, ActiveCells<K>& cells, const Observer& observer)
-      : problem_(problem), cells_(cells), observer_(observer) {}
+      : problem_(problem),
+        cells_(cells),
+        observer_(observer),
+        least_radius_(2 * (1 - kPackingSlack) / (1 + problem.spacing.lipschitz)) {}
 
   /// False if a protected face is missing.
   bool triangulate() {
@@ -91,11 +94,11 @@ class Completion {
       largest = std::max(largest, s.radius);
     }
     Vec<K> c = fast_circumcenter(points);
-    const double radius = distance(c, points[0]);
     // f(c) >= largest - b radius: most simplices are too small whatever f is there, and need no evaluation of it.
-    const double lipschitz = problem_.spacing.lipschitz;
-    if ((1 + lipschitz) * radius < 2 * largest * (1 - kPackingSlack)) return;
+    const double radius_sq = distance_sq(c, points[0]), least = least_radius_ * largest;
+    if (radius_sq < least * least) return;
     if (!is_finite(c) || !problem_.bounds.contains(c)) return;
+    const double radius = std::sqrt(radius_sq);
     double f = problem_.spacing.at(c);
     if (radius < f + largest) return;
     // The ball around c is empty and large: what blocks c is mostly a protecting ball.
@@ -164,6 +167,7 @@ class Completion {
   const PackingProblem<K>& problem_;
   ActiveCells<K>& cells_;
   const Observer& observer_;
+  double least_radius_;  ///< Relative to the largest sphere of a simplex: no smaller circumradius leaves room.
   DelaunayKernel<K> kernel_;
   RegionLabels<K> labels_;
   std::vector<std::uint32_t> created_;
