@@ -2,6 +2,7 @@
 #include "certificate/dual_sample.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "base/parallel.h"
 
@@ -11,8 +12,9 @@ namespace {
 
 enum DualFault : int { kNegative = 1, kWrongArea, kMissing, kWrongLength, kWrongSite, kBadFace };
 
-/// Areas may differ by this much times h^(D-1).
+/// Areas may differ by this much times h^(D-1), and by what rounding leaves of the terms of their sums.
 constexpr double kAreaTolerance = 1e-9;
+constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
 
 /// Edge lengths may differ by this much, relative.
 constexpr double kLengthTolerance = 1e-12;
@@ -62,18 +64,29 @@ Stars sample_stars(const Subject<D>& subject) {
   return stars;
 }
 
+/// A signed area, and the magnitude of the terms it is the sum of.
+struct Share {
+  double area = 0, magnitude = 0;
+
+  Share& operator+=(const Share& other) {
+    area += other.area;
+    magnitude += other.magnitude;
+    return *this;
+  }
+};
+
 /// What one simplex contributes to the dual face of its edge (i, j): the quadrilateral from the edge's midpoint by the
 /// circumcenters of the two faces and of the simplex, projected along the edge; in the plane, the segment from the
-/// midpoint to the circumcenter. Signed: negative beyond the midpoint or face.
-double dual_share(const std::array<Vec<2>, 3>& p, std::size_t i, std::size_t j, const Vec<2>& center) {
+/// midpoint to the circumcenter. Negative beyond the midpoint or face.
+Share dual_share(const std::array<Vec<2>, 3>& p, std::size_t i, std::size_t j, const Vec<2>& center) {
   const Vec<2> middle = 0.5 * (p[i] + p[j]);
   const Vec<2> third = p[3 - i - j];
   const Vec<2> edge = p[j] - p[i];
   const double side = cross(edge, third - p[i]) > 0 ? 1 : -1;
-  return side * cross(edge, center - middle) / norm(edge);
+  return {side * cross(edge, center - middle) / norm(edge), norm(center - middle)};
 }
 
-double dual_share(const std::array<Vec<3>, 4>& p, std::size_t i, std::size_t j, const Vec<3>& center) {
+Share dual_share(const std::array<Vec<3>, 4>& p, std::size_t i, std::size_t j, const Vec<3>& center) {
   std::array<std::size_t, 2> rest{};
   std::size_t n = 0;
   for (std::size_t k = 0; k < 4; ++k)
@@ -84,13 +97,13 @@ double dual_share(const std::array<Vec<3>, 4>& p, std::size_t i, std::size_t j, 
   const Vec<3> f = diametral_ball(p[i], p[j], p[rest[0]]).center - middle;
   const Vec<3> g = diametral_ball(p[i], p[j], p[rest[1]]).center - middle;
   const double side = dot(edge, cross(p[rest[0]] - middle, p[rest[1]] - middle)) > 0 ? 1 : -1;
-  return side * 0.5 * dot(edge, cross(f, c) + cross(c, g)) / norm(edge);
+  return {side * 0.5 * dot(edge, cross(f, c) + cross(c, g)) / norm(edge), 0.5 * norm(c) * (norm(f) + norm(g))};
 }
 
 struct EdgeShare {
   std::uint32_t other;
   int region;
-  double area;
+  Share share;
 };
 
 /// The dual faces of vertex v towards higher vertices, from the simplices around it.
@@ -114,11 +127,11 @@ std::vector<EdgeShare> recompute(const Subject<D>& subject, const Stars& stars, 
     return a.other != b.other ? a.other < b.other : a.region < b.region;
   });
   std::vector<EdgeShare> faces;
-  for (const EdgeShare& share : shares) {
-    if (!faces.empty() && faces.back().other == share.other && faces.back().region == share.region)
-      faces.back().area += share.area;
+  for (const EdgeShare& edge : shares) {
+    if (!faces.empty() && faces.back().other == edge.other && faces.back().region == edge.region)
+      faces.back().share += edge.share;
     else
-      faces.push_back(share);
+      faces.push_back(edge);
   }
   return faces;
 }
@@ -134,7 +147,8 @@ void test_star(const Subject<D>& subject, const Stars& stars, std::size_t k, Tal
   const std::vector<EdgeShare> faces = recompute(subject, stars, k);
   std::vector<bool> matched(static_cast<std::size_t>(last - first), false);
   for (const EdgeShare& face : faces) {
-    const double tolerance = kAreaTolerance * std::pow(distance(subject.point(v), subject.point(face.other)), D - 1);
+    const double tolerance = kAreaTolerance * std::pow(distance(subject.point(v), subject.point(face.other)), D - 1) +
+                             kRounding * face.share.magnitude;
     double listed = 0;  // A face that is not listed has area zero.
     std::uint32_t id = kNone;
     for (auto it = first; it != last; ++it) {
@@ -144,8 +158,8 @@ void test_star(const Subject<D>& subject, const Stars& stars, std::size_t k, Tal
       id = static_cast<std::uint32_t>(f);
       matched[static_cast<std::size_t>(it - first)] = true;
     }
-    if (!(std::abs(listed - face.area) <= tolerance))
-      tally.violation(id == kNone ? kMissing : kWrongArea, std::abs(listed - face.area), id, v, face.other);
+    if (!(std::abs(listed - face.share.area) <= tolerance))
+      tally.violation(id == kNone ? kMissing : kWrongArea, std::abs(listed - face.share.area), id, v, face.other);
     else
       ++tally.tested;
   }
