@@ -1,6 +1,8 @@
 // The boundary of a mesh as its control volumes see it: |V_i n dOmega| by marker and region.
 #pragma once
 
+#include <set>
+
 #include "voropack/index.h"
 #include "voropack/mesh.h"
 #include "voropack/vec.h"
@@ -25,11 +27,16 @@ struct BoundaryAreas {
 };
 
 /// The patches of a mesh's hull: the circumcentric dual of its boundary faces, which on a boundary-conforming Delaunay
-/// mesh is the Voronoi diagram of each facet, so that no area is negative. On other meshes areas are signed. Faces
-/// inside the domain have no patches, whether regions differ across them or not.
+/// mesh is the Voronoi diagram of each facet, so that no area is negative. On other meshes areas are signed.
+///
+/// What lies inside the domain has no patches unless its marker is in `inner_markers`: conditions on a contact, a wire
+/// or a well. A marker stands for the hull faces that have it; where there are none, for the faces inside; then, in 3D,
+/// for the segments; then for the points, at which the domain's own carry their markers. If nothing has it, it gets no
+/// patch. The area is then that of a facet (length in 2D), the length of segments, or 1 for a point; regions that meet
+/// there share it equally.
 ///
 /// Cost: O(n) for n simplices, and a sort of the boundary faces. The same result for any number of threads.
 template <int D>
-BoundaryAreas<D> build_boundary_areas(const Mesh<D>& mesh);
+BoundaryAreas<D> build_boundary_areas(const Mesh<D>& mesh, const std::set<int>& inner_markers = {});
 
 }  // namespace voropack

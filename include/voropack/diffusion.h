@@ -18,9 +18,17 @@ namespace voropack {
 template <int D>
 using RegionFunction = std::function<double(const Vec<D>& x, int region)>;
 
+/// A function of position, region and the solution u there. It makes a problem nonlinear (voropack/nonlinear.h).
+template <int D>
+struct StateFunction {
+  std::function<double(const Vec<D>& x, int region, double u)> value;
+  std::function<double(const Vec<D>& x, int region, double u)> derivative;  ///< By u. If absent, by differences.
+};
+
 /// A coefficient of the equation: a number, a number for each region, a number for each vertex, or a function.
 template <int D>
-using Coefficient = std::variant<double, std::map<int, double>, IdVector<VertexId, double>, RegionFunction<D>>;
+using Coefficient =
+    std::variant<double, std::map<int, double>, IdVector<VertexId, double>, RegionFunction<D>, StateFunction<D>>;
 
 /// A value given on the boundary: a number, or a function of position.
 template <int D>
@@ -42,18 +50,26 @@ struct Robin {
   BoundaryValue<D> transfer = 0.0;
   BoundaryValue<D> outside = 0.0;
 };
+/// As much as `total` enters on the whole, spread evenly: a Neumann condition with inflow = total / area.
 template <int D>
-using BoundaryCondition = std::variant<Dirichlet<D>, Neumann<D>, Robin<D>>;
+struct Rate {
+  double total = 0;
+};
+template <int D>
+using BoundaryCondition = std::variant<Dirichlet<D>, Neumann<D>, Robin<D>, Rate<D>>;
 
 /// -div(conductivity grad u) + reaction u = source, with a condition for each marker of the boundary. Nothing enters
 /// through a boundary whose marker has no condition.
 ///
+/// Markers inside the domain, such as those of wells, may have conditions as well, if `build_boundary_areas` was asked
+/// for them. An area is then that of both sides together, or the length of segments, or the number of points.
+///
 /// A vertex on markers with different Dirichlet values takes that of the smallest marker.
 template <int D>
 struct DiffusionProblem {
-  Coefficient<D> conductivity = 1.0;  ///< kappa > 0.
+  Coefficient<D> conductivity = 1.0;  ///< kappa > 0. May depend on u.
   Coefficient<D> reaction = 0.0;      ///< sigma >= 0.
-  Coefficient<D> source = 0.0;        ///< f, per volume.
+  Coefficient<D> source = 0.0;        ///< f, per volume. May depend on u.
   /// [n_cells] the integral of the source over each cell; if absent, volume times the value at the site.
   std::optional<IdVector<CellId, double>> source_integrals;
   std::map<int, BoundaryCondition<D>> conditions;  ///< By marker.
@@ -70,7 +86,7 @@ struct MarkerFlux {
   double inflow = 0;  ///< Integral of kappa du/dn.
 };
 
-/// What one region gains and loses. The sum of the gains is `imbalance`: the residual of the linear solution, summed.
+/// What one region gains and loses per time. The sum of the gains is `imbalance`: the residual of the solution, summed.
 struct RegionBalance {
   int region = 0;
   double volume = 0;
@@ -78,7 +94,8 @@ struct RegionBalance {
   double absorbed = 0;          ///< Integral of sigma u.
   double boundary_inflow = 0;   ///< Through the domain's boundary.
   double interface_inflow = 0;  ///< From other regions.
-  double imbalance = 0;         ///< source - absorbed + boundary_inflow + interface_inflow
+  double stored = 0;            ///< Integral of capacity du/dt; 0 where nothing depends on time.
+  double imbalance = 0;         ///< source - absorbed + boundary_inflow + interface_inflow - stored
   double throughput = 0;        ///< The magnitudes of all of it, cell by cell: what to compare `imbalance` with.
 };
 
@@ -108,6 +125,7 @@ struct DiffusionSolution {
 ///         InputError solve.bad_reaction     if sigma is negative or not finite.
 ///         InputError solve.bad_source       if f is not finite.
 ///         InputError solve.bad_condition    if a value on the boundary is not finite or a transfer is negative.
+///         InputError solve.nonlinear        if a coefficient depends on u: `solve_nonlinear` takes it.
 template <int D>
 LinearSystem assemble(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary,
                       const DiffusionProblem<D>& problem);

@@ -1,4 +1,4 @@
-// Symmetric sparse systems over the vertices of a mesh, and their solution. Knows no geometry.
+// Sparse systems over the vertices of a mesh, and their solution. Knows no geometry.
 #pragma once
 
 #include <cstdint>
@@ -30,12 +30,13 @@ void multiply(const SparseMatrix& matrix, std::span<const double> x, std::span<d
 /// The rows of fixed vertices are there as well: (matrix u - load)[i] is what has to enter at i so that u keeps the
 /// fixed value, which is how fluxes come out conservative.
 struct LinearSystem {
-  SparseMatrix matrix;                        ///< [n_vertices] symmetric.
+  SparseMatrix matrix;                        ///< [n_vertices] of symmetric pattern.
   IdVector<VertexId, double> load;            ///< [n_vertices]
   IdVector<VertexId, double> absorption;      ///< [n_vertices] the sum of the row, computed without cancellation:
                                               ///< positive where reaction or a Robin condition acts.
   IdVector<VertexId, std::uint8_t> is_fixed;  ///< [n_vertices] 1 where the value is given.
   IdVector<VertexId, double> fixed_value;     ///< [n_vertices] 0 where it is not.
+  bool is_symmetric = true;                   ///< Of values. Where false, methods for unsymmetric matrices are used.
 };
 
 /// Whether the matrix is an M-matrix, so that the discrete maximum principle holds: no off-diagonal entry is positive,
@@ -49,7 +50,7 @@ struct MatrixCheck {
 };
 MatrixCheck check_m_matrix(const LinearSystem& system);
 
-/// An approximate inverse of the matrix, symmetric and positive definite.
+/// An approximate inverse of the matrix; for conjugate gradients symmetric and positive definite.
 class Preconditioner {
  public:
   virtual ~Preconditioner() = default;
@@ -59,15 +60,15 @@ class Preconditioner {
 };
 
 enum class LinearMethod : std::uint8_t {
-  kAutomatic,           ///< Direct up to LinearOptions::max_direct free vertices, else iterative.
-  kDirect,              ///< Sparse LDL^T with approximate minimum degree ordering, and one step of refinement.
-  kConjugateGradients,  ///< Preconditioned.
+  kAutomatic,  ///< Direct up to LinearOptions::max_direct free vertices, else iterative.
+  kDirect,     ///< Sparse LDL^T (LU where not symmetric) with minimum degree ordering, and one step of refinement.
+  kConjugateGradients,  ///< Preconditioned; BiCGSTAB [Vorst1992] where not symmetric.
 };
 
 enum class PreconditionerKind : std::uint8_t {
   kDiagonal,
-  /// Incomplete Cholesky without fill in blocks of consecutive vertices. It exists for every M-matrix
-  /// [Meijerink1977]; for others, pivots that are not positive are replaced by the diagonal.
+  /// Incomplete Cholesky (LU where not symmetric) without fill in blocks of consecutive vertices. It exists for every
+  /// M-matrix [Meijerink1977]; for others, pivots that are not positive are replaced by the diagonal.
   kIncompleteCholesky,
 };
 
@@ -82,7 +83,7 @@ struct LinearOptions {
 
 /// How the solution was found.
 struct LinearReport {
-  std::string method;            ///< "direct" or "conjugate gradients".
+  std::string method;            ///< "direct", "conjugate gradients" or "BiCGSTAB".
   std::string preconditioner;    ///< Empty for a direct solution.
   std::uint64_t n_unknowns = 0;  ///< Free vertices.
   std::uint64_t n_entries = 0;   ///< Of the matrix, with those of fixed vertices.
@@ -102,7 +103,8 @@ struct LinearSolution {
 /// `residual` says what was reached.
 /// Throws: OptionError    solve.bad_option     if an option is out of its range.
 ///         NumericalError solve.not_converged  if max_iterations do not suffice.
-///         NumericalError solve.singular       if the matrix is not positive definite at the free vertices.
+///         NumericalError solve.singular       if the matrix is not positive definite at the free vertices; where it
+///                                             is not symmetric, if it has no inverse.
 ///         Cancelled      if the observer asks to stop.
 LinearSolution solve_linear_system(const LinearSystem& system, const LinearOptions& options = {},
                                    Observer& observer = silent_observer());

@@ -16,7 +16,7 @@ import tempfile
 # Public headers in the order of the data; each may include those before it.
 PUBLIC = ["index", "error", "vec", "observer", "mesh", "domain", "spacing", "packing", "delaunay", "dual",
           "boundary_areas", "cell_integrals", "io", "quality", "certificate", "pipeline", "linear_system", "diffusion",
-          "fem", "norms"]
+          "nonlinear", "transient", "fem", "norms"]
 BASICS = ["index", "error", "vec", "observer"]
 
 
@@ -41,8 +41,8 @@ FOLDERS = {
     "certificate": (up_to("certificate"), ["base", "geom/predicates.h", "geom/tolerance.h"]),
     "pipeline": (up_to("pipeline"), ["base"]),
     # Control volumes of any program: no simplices, no geometry.
-    "solve": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion"], ["base"]),
-    "fem": (BASICS + ["mesh", "linear_system", "diffusion", "fem"], ["base", "geom", "mesh"]),
+    "solve": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion", "nonlinear", "transient"], ["base"]),
+    "fem": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion", "fem"], ["base", "geom", "mesh"]),
     "norms": (BASICS + ["mesh", "dual", "norms"], ["base", "geom", "mesh"]),
 }
 
