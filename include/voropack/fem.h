@@ -31,10 +31,13 @@ template <int D>
 IdVector<VertexId, double> load_vector(const Mesh<D>& mesh, const Coefficient<D>& source);
 
 /// The system of P1 finite elements for the problem that the control volume method solves, with conditions on the hull
-/// faces of `mesh.boundary_vertices`. `source_integrals` and `mean`, which belong to control volumes, are not used.
-/// A vertex without simplices has the fixed value 0.
+/// faces of `mesh.boundary_vertices`. Markers that no hull face has are looked for inside the domain, as
+/// `build_boundary_areas` does; conditions there act on its patches. A vertex without simplices has the fixed value 0.
 ///
-/// Throws: as above, and InputError solve.unknown_marker if no hull face has the marker of a condition.
+/// Throws: as above, and
+///         InputError solve.unknown_marker  if nothing has the marker of a condition; names the nearest.
+///         InputError solve.cell_integrals  if integrals of the source over cells are given.
+///         InputError solve.nonlinear       if a coefficient depends on the solution.
 template <int D>
 LinearSystem assemble_fem(const Mesh<D>& mesh, const DiffusionProblem<D>& problem);
 
@@ -48,7 +51,8 @@ inline LinearOptions fem_linear_options() {
 
 /// Assembles and solves.
 ///
-/// Throws: as `assemble_fem` and `solve_linear_system`: solve.singular where nothing fixes the solution.
+/// `mean` holds for the integral of the P1 solution. Throws: as `assemble_fem` and `solve_linear_system`, and
+/// solve.no_condition, solve.mean_not_free, solve.incompatible as `solve`.
 template <int D>
 LinearSolution solve_fem(const Mesh<D>& mesh, const DiffusionProblem<D>& problem,
                          const LinearOptions& options = fem_linear_options(), Observer& observer = silent_observer());

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
-#include <tuple>
+#include <cstddef>
 #include <vector>
 
+#include "dual/patch_shares.h"
 #include "geom/circumcenter.h"
 #include "mesh/faces.h"
 
@@ -13,38 +13,10 @@ namespace voropack {
 
 namespace {
 
-template <int D>
-using FaceKey = std::array<VertexId, D>;
-
-template <int D>
-FaceKey<D> sorted(FaceKey<D> vertices) {
-  std::sort(vertices.begin(), vertices.end());
-  return vertices;
-}
-
-/// A face of the hull, and what lies on its one side.
-template <int D>
-struct HullFace {
-  FaceKey<D> key;
-  int region = 0;
-  int marker = 0;
-};
-
-/// What one boundary face adds to the patch of one of its corners.
-template <int D>
-struct Share {
-  VertexId vertex;
-  int marker = 0, region = 0;
-  double area = 0;
-  Vec<D> moment;  ///< Area times centroid.
-
-  [[nodiscard]] auto patch() const { return std::tie(vertex, marker, region); }
-};
-
 /// Every face without a neighbor, sorted by its vertices, with the marker that the mesh lists for it.
 template <int D>
-std::vector<HullFace<D>> hull_faces(const Mesh<D>& mesh) {
-  std::vector<HullFace<D>> hull;
+std::vector<FaceSide<D>> hull_faces(const Mesh<D>& mesh) {
+  std::vector<FaceSide<D>> hull;
   for (const SimplexId s : ids(mesh.simplex_vertices))
     for (int i = 0; i <= D; ++i)
       if (mesh.simplex_neighbors[s][static_cast<std::size_t>(i)].is_none())
@@ -59,16 +31,15 @@ std::vector<HullFace<D>> hull_faces(const Mesh<D>& mesh) {
   return hull;
 }
 
-void add_shares(const Mesh<2>& mesh, const HullFace<2>& face, std::vector<Share<2>>& shares) {
-  const std::array<Vec<2>, 2> x = {mesh.points[face.key[0]], mesh.points[face.key[1]]};
-  const double area = 0.5 * distance(x[0], x[1]);
-  for (std::size_t k = 0; k < 2; ++k)
-    shares.push_back({face.key[k], face.marker, face.region, area, area * (0.75 * x[k] + 0.25 * x[1 - k])});
+}  // namespace
+
+void add_face_shares(const Mesh<2>& mesh, const FaceSide<2>& face, std::vector<Share<2>>& shares) {
+  add_segment_shares(mesh, face.key, face.marker, face.region, face.weight, shares);
 }
 
 /// The kite of a corner consists of a right triangle for each of its two edges: corner, midpoint of the edge,
 /// circumcenter. Its area is |edge|^2 / 8 times the cotangent of the opposite angle, signed.
-void add_shares(const Mesh<3>& mesh, const HullFace<3>& face, std::vector<Share<3>>& shares) {
+void add_face_shares(const Mesh<3>& mesh, const FaceSide<3>& face, std::vector<Share<3>>& shares) {
   const std::array<Vec<3>, 3> x = {mesh.points[face.key[0]], mesh.points[face.key[1]], mesh.points[face.key[2]]};
   const double twice_area = norm(cross(x[1] - x[0], x[2] - x[0]));
   const Vec<3> center = triangle_circumcenter(x[0], x[1], x[2]);
@@ -76,7 +47,7 @@ void add_shares(const Mesh<3>& mesh, const HullFace<3>& face, std::vector<Share<
     Share<3> share{face.key[a], face.marker, face.region, 0, {}};
     for (const std::size_t b : {(a + 1) % 3, (a + 2) % 3}) {
       const std::size_t c = 3 - a - b;
-      const double area = distance_sq(x[a], x[b]) / 8 * dot(x[a] - x[c], x[b] - x[c]) / twice_area;
+      const double area = face.weight * distance_sq(x[a], x[b]) / 8 * dot(x[a] - x[c], x[b] - x[c]) / twice_area;
       share.area += area;
       share.moment += (area / 3) * (1.5 * x[a] + 0.5 * x[b] + center);
     }
@@ -84,12 +55,16 @@ void add_shares(const Mesh<3>& mesh, const HullFace<3>& face, std::vector<Share<
   }
 }
 
-}  // namespace
-
 template <int D>
-BoundaryAreas<D> build_boundary_areas(const Mesh<D>& mesh) {
+BoundaryAreas<D> build_boundary_areas(const Mesh<D>& mesh, const std::set<int>& inner_markers) {
   std::vector<Share<D>> shares;
-  for (const HullFace<D>& face : hull_faces(mesh)) add_shares(mesh, face, shares);
+  const std::vector<FaceSide<D>> hull = hull_faces(mesh);
+  std::set<int> inside = inner_markers;
+  for (const FaceSide<D>& face : hull) {
+    add_face_shares(mesh, face, shares);
+    inside.erase(face.marker);
+  }
+  if (!inside.empty()) add_inner_shares(mesh, inside, hull, shares);
   std::stable_sort(shares.begin(), shares.end(), [](const auto& a, const auto& b) { return a.patch() < b.patch(); });
 
   BoundaryAreas<D> out;
@@ -108,7 +83,7 @@ BoundaryAreas<D> build_boundary_areas(const Mesh<D>& mesh) {
   return out;
 }
 
-template BoundaryAreas<2> build_boundary_areas(const Mesh<2>&);
-template BoundaryAreas<3> build_boundary_areas(const Mesh<3>&);
+template BoundaryAreas<2> build_boundary_areas(const Mesh<2>&, const std::set<int>&);
+template BoundaryAreas<3> build_boundary_areas(const Mesh<3>&, const std::set<int>&);
 
 }  // namespace voropack

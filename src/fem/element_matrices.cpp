@@ -134,16 +134,19 @@ LocalMatrix<D> local_mass(const Mesh<D>& mesh, const Coefficient<D>& reaction, S
 
 template <int D>
 SparseMatrix stiffness_matrix(const Mesh<D>& mesh, const Coefficient<D>& conductivity) {
+  check_coefficient(conductivity, mesh, "the conductivity");
   return add_up<D>(mesh, [&](SimplexId s) { return local_stiffness(mesh, conductivity, s); });
 }
 
 template <int D>
 SparseMatrix mass_matrix(const Mesh<D>& mesh, const Coefficient<D>& reaction) {
+  check_coefficient(reaction, mesh, "the reaction");
   return add_up<D>(mesh, [&](SimplexId s) { return local_mass(mesh, reaction, s); });
 }
 
 template <int D>
 IdVector<VertexId, double> load_vector(const Mesh<D>& mesh, const Coefficient<D>& source) {
+  check_coefficient(source, mesh, "the source");
   // Simplex by simplex in parallel, since f may be costly; then in order.
   IdVector<SimplexId, Local<D>> local(mesh.simplex_vertices.size());
   parallel_for(local.size(), [&](std::size_t k) {

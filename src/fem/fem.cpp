@@ -8,7 +8,9 @@
 
 #include "geom/quadrature.h"
 #include "mesh/faces.h"
-#include "voropack/error.h"
+#include "solve/faults.h"
+#include "solve/floating_parts.h"
+#include "voropack/boundary_areas.h"
 
 namespace voropack {
 
@@ -34,7 +36,8 @@ double measure(const std::array<Vec<3>, 3>& p) { return 0.5 * norm(cross(p[1] - 
 template <int D>
 class Conditions {
  public:
-  Conditions(const Mesh<D>& mesh, LinearSystem& system) : mesh_(mesh), system_(system) {
+  Conditions(const Mesh<D>& mesh, const std::map<int, BoundaryCondition<D>>& conditions, LinearSystem& system)
+      : mesh_(mesh), system_(system) {
     std::set<std::array<VertexId, D>> hull;
     for (const SimplexId s : ids(mesh.simplex_vertices))
       for (int i = 0; i <= D; ++i)
@@ -42,30 +45,64 @@ class Conditions {
           hull.insert(sorted<D>(face_vertices(mesh, s, i)));
     for (const BoundaryId b : ids(mesh.boundary_vertices))
       if (hull.contains(sorted<D>(mesh.boundary_vertices[b]))) faces_[mesh.boundary_marker[b]].push_back(b);
+    std::set<int> inside;
+    for (const auto& [marker, condition] : conditions)
+      if (!faces_.contains(marker)) inside.insert(marker);
+    if (!inside.empty()) inner_ = build_boundary_areas(mesh, inside);
+    std::set<int> known(inner_.patch_marker.begin(), inner_.patch_marker.end());
+    for (const auto& [marker, faces] : faces_) known.insert(marker);
+    for (const auto& [marker, condition] : conditions) check_marker(marker, known);
   }
 
   /// Markers have to be given in ascending order: the first Dirichlet value of a vertex stays.
   void add(int marker, const BoundaryCondition<D>& condition) {
     const auto faces = faces_.find(marker);
-    if (faces == faces_.end()) throw_unknown(marker);
-    for (const BoundaryId b : faces->second) std::visit([&](const auto& c) { add(b, c); }, condition);
+    if (faces != faces_.end()) {
+      for (const BoundaryId b : faces->second) std::visit([&](const auto& c) { add(b, c); }, condition);
+      return;
+    }
+    for (const PatchId p : ids(inner_.patch_marker))
+      if (inner_.patch_marker[p] == marker) std::visit([&](const auto& c) { add(p, c); }, condition);
   }
 
  private:
-  [[noreturn]] void throw_unknown(int marker) const {
-    std::string known;
-    for (const auto& [other, faces] : faces_) known += fmt::format("{}{}", known.empty() ? "" : ", ", other);
-    throw InputError(Fault{.id = "solve.unknown_marker",
-                           .message = fmt::format("no boundary has the marker {}", marker),
-                           .fix = fmt::format("the markers of the boundary are {}", known)});
+  // Inside the domain: on patches, as control volumes do.
+  void add(PatchId p, const Dirichlet<D>& condition) { fix(inner_.patch_vertex[p], condition); }
+  void add(PatchId p, const Neumann<D>& condition) {
+    system_.load[inner_.patch_vertex[p]] +=
+        inner_.patch_area[p] * value_of<D>(condition.inflow, inner_.patch_centroid[p]);
+  }
+  void add(PatchId p, const Robin<D>& condition) {
+    const VertexId v = inner_.patch_vertex[p];
+    const double transfer = inner_.patch_area[p] * value_of<D>(condition.transfer, mesh_.points[v]);
+    system_.load[v] += transfer * value_of<D>(condition.outside, mesh_.points[v]);
+    system_.absorption[v] += transfer;
+    entry(v, v) += transfer;
+  }
+  void add(PatchId p, const Rate<D>& condition) {
+    double area = 0;
+    for (const PatchId q : ids(inner_.patch_marker))
+      if (inner_.patch_marker[q] == inner_.patch_marker[p]) area += inner_.patch_area[q];
+    system_.load[inner_.patch_vertex[p]] += inner_.patch_area[p] * (condition.total / area);
+  }
+
+  void fix(VertexId v, const Dirichlet<D>& condition) {
+    if (system_.is_fixed[v] != 0) return;
+    system_.is_fixed[v] = 1;
+    system_.fixed_value[v] = value_of<D>(condition.value, mesh_.points[v]);
   }
 
   void add(BoundaryId b, const Dirichlet<D>& condition) {
-    for (const VertexId v : mesh_.boundary_vertices[b]) {
-      if (system_.is_fixed[v] != 0) continue;
-      system_.is_fixed[v] = 1;
-      system_.fixed_value[v] = value_of<D>(condition.value, mesh_.points[v]);
-    }
+    for (const VertexId v : mesh_.boundary_vertices[b]) fix(v, condition);
+  }
+
+  void add(BoundaryId b, const Rate<D>& condition) {
+    double area = 0;
+    for (const BoundaryId other : faces_.at(mesh_.boundary_marker[b])) area += measure(corners_of(other));
+    for_each_point(b, [&](const auto& q, const Vec<D>&, double weight) {
+      for (std::size_t i = 0; i < D; ++i)
+        system_.load[mesh_.boundary_vertices[b][i]] += weight * (condition.total / area) * q.barycentric[i];
+    });
   }
 
   void add(BoundaryId b, const Neumann<D>& condition) {
@@ -90,9 +127,14 @@ class Conditions {
   }
 
   void for_each_point(BoundaryId b, const auto& visit) const {
+    const std::array<Vec<D>, D> p = corners_of(b);
+    for (const QuadraturePoint<D - 1>& q : kQuadrature<D - 1>) visit(q, q.at(p), measure(p) * q.weight);
+  }
+
+  [[nodiscard]] std::array<Vec<D>, D> corners_of(BoundaryId b) const {
     std::array<Vec<D>, D> p;
     for (std::size_t i = 0; i < D; ++i) p[i] = mesh_.points[mesh_.boundary_vertices[b][i]];
-    for (const QuadraturePoint<D - 1>& q : kQuadrature<D - 1>) visit(q, q.at(p), measure(p) * q.weight);
+    return p;
   }
 
   double& entry(VertexId row, VertexId column) {
@@ -105,6 +147,7 @@ class Conditions {
   const Mesh<D>& mesh_;
   LinearSystem& system_;
   std::map<int, std::vector<BoundaryId>> faces_;  ///< Of the hull, by marker.
+  BoundaryAreas<D> inner_;                        ///< Patches of the other markers, and of the hull.
 };
 
 bool is_zero(const auto& coefficient) {
@@ -116,6 +159,10 @@ bool is_zero(const auto& coefficient) {
 
 template <int D>
 LinearSystem assemble_fem(const Mesh<D>& mesh, const DiffusionProblem<D>& problem) {
+  if (problem.source_integrals)
+    fail_input("solve.cell_integrals",
+               "integrals of the source over cells are given, which finite elements do not have",
+               "give the source itself");
   const std::size_t n = mesh.points.size();
   LinearSystem system;
   system.matrix = stiffness_matrix(mesh, problem.conductivity);
@@ -128,7 +175,7 @@ LinearSystem assemble_fem(const Mesh<D>& mesh, const DiffusionProblem<D>& proble
   }
   system.is_fixed.resize(n);
   system.fixed_value.resize(n);
-  Conditions<D> conditions(mesh, system);
+  Conditions<D> conditions(mesh, problem.conditions, system);
   for (const auto& [marker, condition] : problem.conditions) conditions.add(marker, condition);
   for (const VertexId v : ids(mesh.points))
     if (system.matrix.offsets[v.value() + std::size_t{1}] - system.matrix.offsets[v.value()] == 1)
@@ -139,7 +186,19 @@ LinearSystem assemble_fem(const Mesh<D>& mesh, const DiffusionProblem<D>& proble
 template <int D>
 LinearSolution solve_fem(const Mesh<D>& mesh, const DiffusionProblem<D>& problem, const LinearOptions& options,
                          Observer& observer) {
-  return solve_linear_system(assemble_fem(mesh, problem), options, observer);
+  LinearSystem system = assemble_fem(mesh, problem);
+  const auto regions_of = [&](const std::vector<VertexId>& vertices) {
+    std::set<int> regions;
+    for (const SimplexId s : ids(mesh.simplex_vertices))
+      if (std::binary_search(vertices.begin(), vertices.end(), mesh.simplex_vertices[s][0]))
+        regions.insert(mesh.simplex_region[s]);
+    return regions;
+  };
+  const IdVector<VertexId, double> volume = load_vector<D>(mesh, 1.0);  // The integral of each hat function.
+  const std::vector<FloatingPart> parts = ground_floating_parts(volume, regions_of, problem.mean, system);
+  LinearSolution solution = solve_linear_system(system, options, observer);
+  if (problem.mean) shift_to_mean(volume, parts, *problem.mean, solution.values);
+  return solution;
 }
 
 template LinearSystem assemble_fem(const Mesh<2>&, const DiffusionProblem<2>&);

@@ -4,9 +4,11 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
+#include "solve/check_volumes.h"
 
 namespace voropack {
 
@@ -96,10 +98,12 @@ class VertexFaces {
   Csr<VertexId, DualFaceId> earlier_;
 };
 
-/// The couplings, and on the diagonal their sum and what is absorbed.
-template <int D>
-SparseMatrix assemble_matrix(const ControlVolumes<D>& volumes, const IdVector<DualFaceId, double>& coupling,
-                             const IdVector<VertexId, double>& absorption) {
+/// A row for each vertex. flow(f, is_first) are the derivatives of what leaves a vertex through face f, by its own
+/// value and by the other one's, where the vertex is the first or second of the face. On the diagonal is their sum and
+/// `diagonal`.
+template <int D, class Flow>
+SparseMatrix assemble_matrix(const ControlVolumes<D>& volumes, const Flow& flow,
+                             const IdVector<VertexId, double>& diagonal) {
   const std::size_t n = volumes.sites.size();
   const VertexFaces<D> faces(volumes);
   SparseMatrix matrix;
@@ -110,17 +114,18 @@ SparseMatrix assemble_matrix(const ControlVolumes<D>& volumes, const IdVector<Du
   matrix.values.resize(matrix.offsets[n]);
   parallel_for(n, [&](std::size_t v) {
     std::uint64_t next = matrix.offsets[v];
-    double sum = absorption[VertexId(v)];
-    const auto add = [&](VertexId other, bool begins_edge, DualFaceId f) {
+    double sum = diagonal[VertexId(v)];
+    const auto add = [&](VertexId other, bool begins_edge, DualFaceId f, bool is_first) {
+      const auto [by_own, by_other] = flow(f, is_first);
       if (begins_edge) matrix.columns[next++] = other.value();
-      matrix.values[next - 1] -= coupling[f];
-      sum += coupling[f];
+      matrix.values[next - 1] += by_other;
+      sum += by_own;
     };
-    faces.for_each_earlier(v, add);
-    const std::uint64_t diagonal = next++;
-    faces.for_each_later(v, add);
-    matrix.columns[diagonal] = static_cast<std::uint32_t>(v);
-    matrix.values[diagonal] = sum;
+    faces.for_each_earlier(v, [&](VertexId other, bool begins, DualFaceId f) { add(other, begins, f, false); });
+    const std::uint64_t own = next++;
+    faces.for_each_later(v, [&](VertexId other, bool begins, DualFaceId f) { add(other, begins, f, true); });
+    matrix.columns[own] = static_cast<std::uint32_t>(v);
+    matrix.values[own] = sum;
   });
   return matrix;
 }
@@ -128,8 +133,8 @@ SparseMatrix assemble_matrix(const ControlVolumes<D>& volumes, const IdVector<Du
 }  // namespace
 
 template <int D>
-LinearSystem assemble_terms(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary,
-                            const CellTerms& terms) {
+LinearSystem assemble_terms(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary, const CellTerms& terms,
+                            const StepTerms* step) {
   const std::size_t n = volumes.sites.size();
   LinearSystem system{.matrix = {},
                       .load = IdVector<VertexId, double>(n),
@@ -140,6 +145,11 @@ LinearSystem assemble_terms(const ControlVolumes<D>& volumes, const BoundaryArea
     system.load[volumes.cell_vertex[c]] += terms.source[c];
     system.absorption[volumes.cell_vertex[c]] += terms.absorption[c];
   }
+  if (step != nullptr)
+    for (const VertexId v : ids(volumes.sites)) {
+      system.load[v] += step->load[v];
+      system.absorption[v] += step->storage[v];
+    }
   for (const PatchId p : ids(terms.patches)) {
     const PatchTerm& term = terms.patches[p];
     const VertexId v = boundary.patch_vertex[p];
@@ -149,18 +159,49 @@ LinearSystem assemble_terms(const ControlVolumes<D>& volumes, const BoundaryArea
     system.is_fixed[v] = 1;  // Patches are sorted by marker: the smallest one wins.
     system.fixed_value[v] = term.value;
   }
-  system.matrix = assemble_matrix(volumes, terms.coupling, system.absorption);
+  const auto flow = [&](DualFaceId f, bool) { return std::pair(terms.coupling[f], -terms.coupling[f]); };
+  system.matrix = assemble_matrix(volumes, flow, system.absorption);
   return system;
+}
+
+template <int D>
+void differentiate_terms(const ControlVolumes<D>& volumes, const CellTerms& terms,
+                         const IdVector<VertexId, double>& values, LinearSystem& system) {
+  if (!terms.source_slope.empty())
+    for (const CellId c : ids(volumes.cell_vertex)) {
+      system.absorption[volumes.cell_vertex[c]] -= terms.source_slope[c];
+      // An indefinite matrix needs the methods for unsymmetric ones.
+      if (terms.source_slope[c] > 0) system.is_symmetric = false;
+    }
+  if (!terms.coupling_slope.empty()) system.is_symmetric = false;
+  // Through face (i, j) flows c (u_i - u_j), where c depends on both.
+  const auto flow = [&](DualFaceId f, bool is_first) {
+    const double c = terms.coupling[f];
+    if (terms.coupling_slope.empty()) return std::pair(c, -c);
+    const auto [i, j] = volumes.face_vertices[f];
+    const double difference = values[i] - values[j];
+    const double by_i = c + terms.coupling_slope[f][0] * difference,
+                 by_j = -c + terms.coupling_slope[f][1] * difference;
+    return is_first ? std::pair(by_i, by_j) : std::pair(-by_j, -by_i);
+  };
+  system.matrix = assemble_matrix(volumes, flow, system.absorption);
 }
 
 template <int D>
 LinearSystem assemble(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary,
                       const DiffusionProblem<D>& problem) {
-  return assemble_terms(volumes, boundary, evaluate(volumes, boundary, problem));
+  check_volumes(volumes, boundary);
+  return assemble_terms(volumes, boundary, evaluate(volumes, boundary, CellIndex(volumes), problem));
 }
 
-template LinearSystem assemble_terms(const ControlVolumes<2>&, const BoundaryAreas<2>&, const CellTerms&);
-template LinearSystem assemble_terms(const ControlVolumes<3>&, const BoundaryAreas<3>&, const CellTerms&);
+template LinearSystem assemble_terms(const ControlVolumes<2>&, const BoundaryAreas<2>&, const CellTerms&,
+                                     const StepTerms*);
+template LinearSystem assemble_terms(const ControlVolumes<3>&, const BoundaryAreas<3>&, const CellTerms&,
+                                     const StepTerms*);
+template void differentiate_terms(const ControlVolumes<2>&, const CellTerms&, const IdVector<VertexId, double>&,
+                                  LinearSystem&);
+template void differentiate_terms(const ControlVolumes<3>&, const CellTerms&, const IdVector<VertexId, double>&,
+                                  LinearSystem&);
 template LinearSystem assemble(const ControlVolumes<2>&, const BoundaryAreas<2>&, const DiffusionProblem<2>&);
 template LinearSystem assemble(const ControlVolumes<3>&, const BoundaryAreas<3>&, const DiffusionProblem<3>&);
 

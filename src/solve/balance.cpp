@@ -11,31 +11,8 @@ namespace voropack {
 
 namespace {
 
-/// What each cell still needs to be in balance once neighbors in its region, source, absorption and given inflow are
-/// added up. Inside a region it is a residual, on an interface what comes from the other regions, and at a fixed vertex
-/// also what comes through the boundary.
-template <int D>
-IdVector<CellId, double> cell_deficits(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary,
-                                       const CellTerms& terms, const IdVector<VertexId, double>& values) {
-  IdVector<CellId, double> deficit(volumes.cell_vertex.size());
-  for (const DualFaceId f : ids(volumes.face_vertices)) {
-    const auto [i, j] = volumes.face_vertices[f];
-    const double flow = terms.coupling[f] * (values[i] - values[j]);
-    deficit[terms.index(i, volumes.face_region[f])] += flow;
-    deficit[terms.index(j, volumes.face_region[f])] -= flow;
-  }
-  for (const CellId c : ids(volumes.cell_vertex))
-    deficit[c] += terms.absorption[c] * values[volumes.cell_vertex[c]] - terms.source[c];
-  for (const PatchId p : ids(terms.patches)) {
-    const VertexId v = boundary.patch_vertex[p];
-    const PatchTerm& term = terms.patches[p];
-    deficit[terms.index(v, boundary.patch_region[p])] += term.transfer * values[v] - term.inflow;
-  }
-  return deficit;
-}
-
 /// What enters through fixed patches and what cells receive from other regions.
-struct Flows {
+struct Traces {
   IdVector<PatchId, double> through;  ///< 0 at patches that are not fixed.
   IdVector<CellId, double> exchange;
 };
@@ -74,7 +51,7 @@ class FixedPatches {
 template <int D>
 void trace_deficits(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary, const CellTerms& terms,
                     std::span<const CellId> cells, std::span<const PatchId> patches,
-                    const IdVector<CellId, double>& deficit, Flows& flows) {
+                    const IdVector<CellId, double>& deficit, Traces& flows) {
   const FixedPatches all(boundary, terms, patches, {});
   for (const CellId c : cells) {
     if (all.empty()) {
@@ -93,15 +70,14 @@ void trace_deficits(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& bo
 }
 
 template <int D>
-Flows trace_flows(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary, const CellTerms& terms,
-                  const IdVector<VertexId, double>& values) {
-  const IdVector<CellId, double> deficit = cell_deficits(volumes, boundary, terms, values);
-  Flows flows{IdVector<PatchId, double>(terms.patches.size()), IdVector<CellId, double>(deficit.size())};
+Traces trace_flows(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary, const CellTerms& terms,
+                   const IdVector<CellId, double>& deficit) {
+  Traces flows{IdVector<PatchId, double>(terms.patches.size()), IdVector<CellId, double>(deficit.size())};
   std::vector<CellId> cells;
   std::vector<PatchId> patches;
   CellId c(0);
   PatchId p(0);
-  for (const VertexId v : ids(values)) {
+  for (const VertexId v : ids(volumes.sites)) {
     for (cells.clear(); c.value() < deficit.size() && volumes.cell_vertex[c] == v; ++c) cells.push_back(c);
     for (patches.clear(); p.value() < terms.patches.size() && boundary.patch_vertex[p] == v; ++p) patches.push_back(p);
     if (cells.size() > 1 || !patches.empty())
@@ -110,27 +86,71 @@ Flows trace_flows(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boun
   return flows;
 }
 
+/// into = share * into + (1 - share) * other
+template <class I>
+void blend(IdVector<I, double>& into, const IdVector<I, double>& other, double share) {
+  for (const I i : ids(into)) into[i] = share * into[i] + (1 - share) * other[i];
+}
+
 }  // namespace
 
 template <int D>
-void add_up_flows(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary, const CellTerms& terms,
-                  DiffusionSolution<D>& solution) {
-  const IdVector<VertexId, double>& values = solution.values;
-  const Flows flows = trace_flows(volumes, boundary, terms, values);
+Flows flows_at(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary, const CellTerms& terms,
+               const IdVector<VertexId, double>& values) {
+  const std::size_t n = volumes.cell_vertex.size();
+  Flows flows{.source = terms.source,
+              .absorbed = IdVector<CellId, double>(n),
+              .stored = IdVector<CellId, double>(n),
+              .deficit = IdVector<CellId, double>(n),
+              .inflow = IdVector<PatchId, double>(terms.patches.size())};
+  for (const DualFaceId f : ids(volumes.face_vertices)) {
+    const auto [i, j] = volumes.face_vertices[f];
+    const double flow = terms.coupling[f] * (values[i] - values[j]);
+    flows.deficit[terms.index(i, volumes.face_region[f])] += flow;
+    flows.deficit[terms.index(j, volumes.face_region[f])] -= flow;
+  }
+  for (const CellId c : ids(volumes.cell_vertex)) {
+    flows.absorbed[c] = terms.absorption[c] * values[volumes.cell_vertex[c]];
+    flows.deficit[c] += flows.absorbed[c] - flows.source[c];
+  }
+  for (const PatchId p : ids(terms.patches)) {
+    const VertexId v = boundary.patch_vertex[p];
+    flows.inflow[p] = terms.patches[p].inflow - terms.patches[p].transfer * values[v];
+    flows.deficit[terms.index(v, boundary.patch_region[p])] -= flows.inflow[p];
+  }
+  return flows;
+}
+
+void blend_flows(Flows& flows, const Flows& other, double share) {
+  blend(flows.source, other.source, share);
+  blend(flows.absorbed, other.absorbed, share);
+  blend(flows.deficit, other.deficit, share);
+  blend(flows.inflow, other.inflow, share);
+}
+
+void add_storage(Flows& flows, const IdVector<CellId, double>& stored) {
+  flows.stored = stored;
+  for (const CellId c : ids(stored)) flows.deficit[c] += stored[c];
+}
+
+template <int D>
+FlowSums add_up_flows(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary, const CellTerms& terms,
+                      const Flows& flows) {
+  const Traces traces = trace_flows(volumes, boundary, terms, flows.deficit);
   std::map<int, RegionBalance> balances;
   for (const CellId c : ids(volumes.cell_vertex)) {
     RegionBalance& balance = balances[volumes.cell_region[c]];
-    const double absorbed = terms.absorption[c] * values[volumes.cell_vertex[c]];
     balance.volume += volumes.cell_volume[c];
-    balance.source += terms.source[c];
-    balance.absorbed += absorbed;
-    balance.interface_inflow += flows.exchange[c];
-    balance.throughput += std::abs(terms.source[c]) + std::abs(absorbed) + std::abs(flows.exchange[c]);
+    balance.source += flows.source[c];
+    balance.absorbed += flows.absorbed[c];
+    balance.stored += flows.stored[c];
+    balance.interface_inflow += traces.exchange[c];
+    balance.throughput += std::abs(flows.source[c]) + std::abs(flows.absorbed[c]) + std::abs(flows.stored[c]) +
+                          std::abs(traces.exchange[c]);
   }
   std::map<int, MarkerFlux> fluxes;
   for (const PatchId p : ids(terms.patches)) {
-    const PatchTerm& term = terms.patches[p];
-    const double inflow = term.inflow - term.transfer * values[boundary.patch_vertex[p]] + flows.through[p];
+    const double inflow = flows.inflow[p] + traces.through[p];
     MarkerFlux& flux = fluxes[boundary.patch_marker[p]];
     flux.area += boundary.patch_area[p];
     flux.inflow += inflow;
@@ -138,18 +158,25 @@ void add_up_flows(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boun
     balance.boundary_inflow += inflow;
     balance.throughput += std::abs(inflow);
   }
+  FlowSums sums;
   for (auto& [region, balance] : balances) {
     balance.region = region;
-    balance.imbalance = balance.source - balance.absorbed + balance.boundary_inflow + balance.interface_inflow;
-    solution.balances.push_back(balance);
+    balance.imbalance =
+        balance.source - balance.absorbed - balance.stored + balance.boundary_inflow + balance.interface_inflow;
+    sums.balances.push_back(balance);
   }
   for (auto& [marker, flux] : fluxes) {
     flux.marker = marker;
-    solution.fluxes.push_back(flux);
+    sums.fluxes.push_back(flux);
   }
+  return sums;
 }
 
-template void add_up_flows(const ControlVolumes<2>&, const BoundaryAreas<2>&, const CellTerms&, DiffusionSolution<2>&);
-template void add_up_flows(const ControlVolumes<3>&, const BoundaryAreas<3>&, const CellTerms&, DiffusionSolution<3>&);
+template Flows flows_at(const ControlVolumes<2>&, const BoundaryAreas<2>&, const CellTerms&,
+                        const IdVector<VertexId, double>&);
+template FlowSums add_up_flows(const ControlVolumes<2>&, const BoundaryAreas<2>&, const CellTerms&, const Flows&);
+template Flows flows_at(const ControlVolumes<3>&, const BoundaryAreas<3>&, const CellTerms&,
+                        const IdVector<VertexId, double>&);
+template FlowSums add_up_flows(const ControlVolumes<3>&, const BoundaryAreas<3>&, const CellTerms&, const Flows&);
 
 }  // namespace voropack

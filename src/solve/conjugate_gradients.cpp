@@ -82,19 +82,19 @@ class Iteration {
 
 }  // namespace
 
-void conjugate_gradients(const LinearSystem& system, const Preconditioner& preconditioner, double tolerance,
-                         int max_iterations, Observer& observer, std::vector<double>& values, LinearReport& report) {
+void conjugate_gradients(const LinearSystem& system, const Preconditioner& preconditioner, const IterationGoal& goal,
+                         Observer& observer, std::vector<double>& values, LinearReport& report) {
   Iteration iteration(system, preconditioner, observer, report);
-  const double unit = iteration.start(values);
-  report.residuals = {unit > 0 ? 1.0 : 0.0};
-  if (unit == 0) return;
+  double reached = iteration.start(values);
+  report.residuals = {reached / goal.unit};
+  report.residual = reached / goal.unit;
   // The residual of the recurrence drifts away from the true one by rounding. Where that matters, the iteration begins
   // anew from the true one, as long as this gains something.
-  for (double reached = unit, before = 2 * unit; reached > tolerance * unit && reached <= 0.5 * before;) {
-    iteration.run(tolerance * unit, unit, max_iterations, values);
+  for (double before = 2 * reached; reached > goal.tolerance * goal.unit && reached <= 0.5 * before;) {
+    iteration.run(goal.tolerance * goal.unit, goal.unit, goal.max_iterations, values);
     before = reached;
     reached = iteration.start(values);
-    report.residual = reached / unit;
+    report.residual = reached / goal.unit;
   }
 }
 

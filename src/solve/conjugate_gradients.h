@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "solve/iteration_goal.h"
 #include "voropack/linear_system.h"
 #include "voropack/observer.h"
 
@@ -11,7 +12,7 @@ namespace voropack {
 /// Improves `values`, which has the fixed values in place, until the residual is at most the tolerance relative to the
 /// first one, or rounding stops it. Appends to report.residuals. Throws NumericalError solve.not_converged,
 /// solve.singular.
-void conjugate_gradients(const LinearSystem& system, const Preconditioner& preconditioner, double tolerance,
-                         int max_iterations, Observer& observer, std::vector<double>& values, LinearReport& report);
+void conjugate_gradients(const LinearSystem& system, const Preconditioner& preconditioner, const IterationGoal& goal,
+                         Observer& observer, std::vector<double>& values, LinearReport& report);
 
 }  // namespace voropack

@@ -1,11 +1,13 @@
 #include "voropack/diffusion.h"
 
-#include <cstdint>
-#include <map>
+#include <algorithm>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "solve/assemble.h"
 #include "solve/balance.h"
+#include "solve/check_volumes.h"
 #include "solve/coefficients.h"
 #include "solve/conservation.h"
 #include "solve/floating_parts.h"
@@ -13,6 +15,23 @@
 namespace voropack {
 
 namespace {
+
+template <int D>
+IdVector<VertexId, double> vertex_volumes(const ControlVolumes<D>& volumes) {
+  IdVector<VertexId, double> sum(volumes.sites.size(), 0.0);
+  for (const CellId c : ids(volumes.cell_vertex)) sum[volumes.cell_vertex[c]] += volumes.cell_volume[c];
+  return sum;
+}
+
+/// The regions that some vertices, ascending, have cells in.
+template <int D>
+std::set<int> regions_of(const ControlVolumes<D>& volumes, const std::vector<VertexId>& vertices) {
+  std::set<int> regions;
+  for (const CellId c : ids(volumes.cell_vertex))
+    if (std::binary_search(vertices.begin(), vertices.end(), volumes.cell_vertex[c]))
+      regions.insert(volumes.cell_region[c]);
+  return regions;
+}
 
 /// Takes from the source of each cell what was taken from the load of its vertex.
 template <int D>
@@ -24,46 +43,33 @@ void compensate(const ControlVolumes<D>& volumes, const std::vector<FloatingPart
   for (const CellId c : ids(source)) source[c] -= sink[volumes.cell_vertex[c]] * volumes.cell_volume[c];
 }
 
-/// Numbers the regions, and puts each vertex into the group of its region; those on interfaces form one more.
-template <int D>
-IdVector<VertexId, std::uint32_t> region_groups(const ControlVolumes<D>& volumes, std::uint32_t& n_groups) {
-  std::map<int, std::uint32_t> number;
-  for (const int region : volumes.cell_region) number.try_emplace(region, static_cast<std::uint32_t>(number.size()));
-  const auto interface = static_cast<std::uint32_t>(number.size());
-  n_groups = interface + 1;
-  IdVector<VertexId, std::uint32_t> group(volumes.sites.size());
-  for (const CellId c : ids(volumes.cell_vertex)) {
-    const bool repeats =
-        c.value() > 0 && volumes.cell_vertex[CellId(c.value() - std::size_t{1})] == volumes.cell_vertex[c];
-    group[volumes.cell_vertex[c]] = repeats ? interface : number.at(volumes.cell_region[c]);
-  }
-  return group;
-}
-
 }  // namespace
 
 template <int D>
 DiffusionSolution<D> solve(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary,
                            const DiffusionProblem<D>& problem, const LinearOptions& options, Observer& observer) {
   observer.begin_stage("assemble");
-  CellTerms terms = evaluate(volumes, boundary, problem);
+  check_volumes(volumes, boundary);
+  CellTerms terms = evaluate(volumes, boundary, CellIndex(volumes), problem);
   LinearSystem system = assemble_terms(volumes, boundary, terms);
-  const std::vector<FloatingPart> parts = ground_floating_parts(volumes, problem.mean, system);
+  const IdVector<VertexId, double> volume = vertex_volumes(volumes);
+  const std::vector<FloatingPart> parts = ground_floating_parts(
+      volume, [&](const std::vector<VertexId>& part) { return regions_of(volumes, part); }, problem.mean, system);
 
   DiffusionSolution<D> solution;
   solution.matrix = check_m_matrix(system);
   LinearSolution linear = solve_linear_system(system, options, observer);
-  std::uint32_t n_groups = 0;
-  const auto group = region_groups(volumes, n_groups);
-  close_balances(system, group, n_groups, linear);
+  close_balances(system, region_groups(volumes), linear);
   solution.values = std::move(linear.values);
   solution.linear = std::move(linear.report);
   if (!parts.empty()) {
-    shift_to_mean(volumes, parts, *problem.mean, solution.values);
+    shift_to_mean(volume, parts, *problem.mean, solution.values);
     compensate(volumes, parts, terms.source);
     for (const FloatingPart& part : parts) solution.compensation += part.gain;
   }
-  add_up_flows(volumes, boundary, terms, solution);
+  FlowSums sums = add_up_flows(volumes, boundary, terms, flows_at(volumes, boundary, terms, solution.values));
+  solution.fluxes = std::move(sums.fluxes);
+  solution.balances = std::move(sums.balances);
   return solution;
 }
 

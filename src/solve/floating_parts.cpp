@@ -19,28 +19,17 @@ namespace {
 /// that is given as a function leaves a few thousandths on coarse meshes, and data that are wrong are so by far more.
 constexpr double kMaxGain = 0.01;
 
-template <int D>
-IdVector<VertexId, double> vertex_volumes(const ControlVolumes<D>& volumes) {
-  IdVector<VertexId, double> sum(volumes.sites.size(), 0.0);
-  for (const CellId c : ids(volumes.cell_vertex)) sum[volumes.cell_vertex[c]] += volumes.cell_volume[c];
-  return sum;
-}
+using RegionsOf = std::function<std::set<int>(const std::vector<VertexId>&)>;
 
-/// The regions that the vertices lie in, as text.
-template <int D>
-std::string regions_of(const ControlVolumes<D>& volumes, const std::vector<VertexId>& vertices) {
-  std::set<int> regions;
-  for (const CellId c : ids(volumes.cell_vertex))
-    if (std::binary_search(vertices.begin(), vertices.end(), volumes.cell_vertex[c]))
-      regions.insert(volumes.cell_region[c]);
+/// Regions as text.
+std::string region_text(const std::set<int>& regions) {
   std::vector<std::string> names;
   for (const int region : regions) names.push_back(std::to_string(region));
   return (names.size() == 1 ? "region " : "regions ") + join_names(names);
 }
 
 /// Sets the gain of the part, and takes it away from its load.
-template <int D>
-void balance_load(const ControlVolumes<D>& volumes, const IdVector<VertexId, double>& volume, FloatingPart& part,
+void balance_load(const IdVector<VertexId, double>& volume, const RegionsOf& regions_of, FloatingPart& part,
                   LinearSystem& system) {
   double magnitude = 0;
   for (const VertexId v : part.vertices) {
@@ -51,7 +40,7 @@ void balance_load(const ControlVolumes<D>& volumes, const IdVector<VertexId, dou
     throw InputError(
         Fault{.id = "solve.incompatible",
               .message = fmt::format("{} gains {:.6g} on the whole and has no way to lose it",
-                                     regions_of(volumes, part.vertices), part.gain),
+                                     region_text(regions_of(part.vertices)), part.gain),
               .fix = "make the source and the inflow through the boundary add up to 0, or give a Dirichlet condition"});
   for (const VertexId v : part.vertices) system.load[v] -= part.gain * (volume[v] / part.volume);
 }
@@ -96,9 +85,8 @@ std::vector<VertexId> floating_roots(const LinearSystem& system) {
   return floating;
 }
 
-template <int D>
-std::vector<FloatingPart> ground_floating_parts(const ControlVolumes<D>& volumes, const std::optional<double>& mean,
-                                                LinearSystem& system) {
+std::vector<FloatingPart> ground_floating_parts(const IdVector<VertexId, double>& volume, const RegionsOf& regions_of,
+                                                const std::optional<double>& mean, LinearSystem& system) {
   const std::vector<VertexId> floating = floating_roots(system);
   if (floating.empty()) {
     if (!mean) return {};
@@ -106,24 +94,21 @@ std::vector<FloatingPart> ground_floating_parts(const ControlVolumes<D>& volumes
                            .message = "a mean is given, but the conditions leave no part free up to a constant",
                            .fix = "leave out the mean, or the Dirichlet and Robin conditions and the reaction"});
   }
-  const IdVector<VertexId, double> volume = vertex_volumes(volumes);
   std::vector<FloatingPart> parts = collect_parts(system, floating, volume);
   if (!mean)
     throw InputError(Fault{.id = "solve.no_condition",
                            .message = fmt::format("no condition holds the solution in {}: it is free up to a constant",
-                                                  regions_of(volumes, parts.front().vertices)),
+                                                  region_text(regions_of(parts.front().vertices))),
                            .fix = "give a Dirichlet or Robin condition on its boundary, a reaction, or a mean value"});
   for (FloatingPart& part : parts) {
-    balance_load(volumes, volume, part, system);
+    balance_load(volume, regions_of, part, system);
     system.is_fixed[part.vertices.front()] = 1;
   }
   return parts;
 }
 
-template <int D>
-void shift_to_mean(const ControlVolumes<D>& volumes, const std::vector<FloatingPart>& parts, double mean,
+void shift_to_mean(const IdVector<VertexId, double>& volume, const std::vector<FloatingPart>& parts, double mean,
                    IdVector<VertexId, double>& values) {
-  const IdVector<VertexId, double> volume = vertex_volumes(volumes);
   for (const FloatingPart& part : parts) {
     double integral = 0;
     for (const VertexId v : part.vertices) integral += volume[v] * values[v];
@@ -131,14 +116,5 @@ void shift_to_mean(const ControlVolumes<D>& volumes, const std::vector<FloatingP
     for (const VertexId v : part.vertices) values[v] += shift;
   }
 }
-
-template std::vector<FloatingPart> ground_floating_parts(const ControlVolumes<2>&, const std::optional<double>&,
-                                                         LinearSystem&);
-template std::vector<FloatingPart> ground_floating_parts(const ControlVolumes<3>&, const std::optional<double>&,
-                                                         LinearSystem&);
-template void shift_to_mean(const ControlVolumes<2>&, const std::vector<FloatingPart>&, double,
-                            IdVector<VertexId, double>&);
-template void shift_to_mean(const ControlVolumes<3>&, const std::vector<FloatingPart>&, double,
-                            IdVector<VertexId, double>&);
 
 }  // namespace voropack

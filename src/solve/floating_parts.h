@@ -2,11 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "voropack/linear_system.h"
-#include "voropack/mesh.h"
 
 namespace voropack {
 
@@ -24,14 +25,15 @@ struct FloatingPart {
 };
 
 /// Makes a singular system solvable: fixes one vertex of every floating part and takes away what the part gains.
+/// `volume` is that of the vertices, `regions_of` the regions that some vertices (ascending) lie in, for messages.
 /// Throws InputError solve.no_condition, solve.mean_not_free, solve.incompatible.
-template <int D>
-std::vector<FloatingPart> ground_floating_parts(const ControlVolumes<D>& volumes, const std::optional<double>& mean,
-                                                LinearSystem& system);
+std::vector<FloatingPart> ground_floating_parts(
+    const IdVector<VertexId, double>& volume,
+    const std::function<std::set<int>(const std::vector<VertexId>& vertices)>& regions_of,
+    const std::optional<double>& mean, LinearSystem& system);
 
 /// Shifts the values of every part so that their mean over its volume is `mean`.
-template <int D>
-void shift_to_mean(const ControlVolumes<D>& volumes, const std::vector<FloatingPart>& parts, double mean,
+void shift_to_mean(const IdVector<VertexId, double>& volume, const std::vector<FloatingPart>& parts, double mean,
                    IdVector<VertexId, double>& values);
 
 }  // namespace voropack

@@ -1,13 +1,17 @@
+#include "solve/linear_solver.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
+#include "solve/bicgstab.h"
 #include "solve/conjugate_gradients.h"
-#include "solve/direct_solver.h"
+#include "solve/incomplete_lu.h"
 #include "solve/preconditioners.h"
-#include "voropack/linear_system.h"
+#include "solve/vectors.h"
 
 namespace voropack {
 
@@ -26,32 +30,58 @@ void check_options(const LinearOptions& options) {
 std::shared_ptr<const Preconditioner> make_preconditioner(const LinearSystem& system, const LinearOptions& options) {
   if (options.own_preconditioner) return options.own_preconditioner;
   if (options.preconditioner == PreconditionerKind::kDiagonal) return std::make_shared<DiagonalPreconditioner>(system);
+  if (!system.is_symmetric) return std::make_shared<IncompleteLu>(system);
   return std::make_shared<IncompleteCholesky>(system);
+}
+
+/// The norm of the residual of the solution 0.
+double load_norm(const LinearSystem& system) {
+  std::vector<double> residual(system.matrix.size());
+  free_residual(system, system.fixed_value.raw(), residual);
+  return norm(residual);
 }
 
 }  // namespace
 
-LinearSolution solve_linear_system(const LinearSystem& system, const LinearOptions& options, Observer& observer) {
+LinearSolver::LinearSolver(const LinearSystem& system, const LinearOptions& options)
+    : options_(options),
+      n_unknowns_(static_cast<std::uint64_t>(std::count(system.is_fixed.begin(), system.is_fixed.end(), 0))) {
   check_options(options);
-  observer.begin_stage("solve");
-  LinearSolution solution;
-  LinearReport& report = solution.report;
-  report.n_unknowns = static_cast<std::uint64_t>(std::count(system.is_fixed.begin(), system.is_fixed.end(), 0));
-  report.n_entries = system.matrix.values.size();
-  std::vector<double> values = system.fixed_value.raw();
   const bool is_direct = options.method == LinearMethod::kDirect ||
-                         (options.method == LinearMethod::kAutomatic && report.n_unknowns <= options.max_direct);
-  if (is_direct) {
-    report.method = "direct";
-    solve_directly(system, values, report);
-  } else {
-    const auto preconditioner = make_preconditioner(system, options);
-    report.method = "conjugate gradients";
-    report.preconditioner = preconditioner->name();
-    conjugate_gradients(system, *preconditioner, options.tolerance, options.max_iterations, observer, values, report);
+                         (options.method == LinearMethod::kAutomatic && n_unknowns_ <= options.max_direct);
+  if (is_direct)
+    direct_.emplace(system);
+  else
+    preconditioner_ = make_preconditioner(system, options);
+}
+
+LinearSolution LinearSolver::solve(const LinearSystem& system, Observer& observer,
+                                   const IdVector<VertexId, double>* guess) const {
+  LinearSolution solution{.values = system.fixed_value, .report = {}};
+  LinearReport& report = solution.report;
+  report.n_unknowns = n_unknowns_;
+  report.n_entries = system.matrix.values.size();
+  report.method = direct_ ? "direct" : system.is_symmetric ? "conjugate gradients" : "BiCGSTAB";
+  if (preconditioner_) report.preconditioner = preconditioner_->name();
+  const double unit = load_norm(system);
+  report.residuals = {unit > 0 ? 1.0 : 0.0};
+  if (unit == 0) return solution;
+  std::vector<double>& values = solution.values.raw();
+  if (direct_) {
+    direct_->solve(system, unit, values, report);
+    return solution;
   }
-  solution.values = IdVector<VertexId, double>(std::move(values));
+  if (guess != nullptr)
+    for (const VertexId v : ids(*guess))
+      if (system.is_fixed[v] == 0) solution.values[v] = (*guess)[v];
+  const auto iterate = system.is_symmetric ? conjugate_gradients : bicgstab;
+  iterate(system, *preconditioner_, {options_.tolerance, unit, options_.max_iterations}, observer, values, report);
   return solution;
+}
+
+LinearSolution solve_linear_system(const LinearSystem& system, const LinearOptions& options, Observer& observer) {
+  observer.begin_stage("solve");
+  return LinearSolver(system, options).solve(system, observer);
 }
 
 }  // namespace voropack

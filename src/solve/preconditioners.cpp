@@ -1,28 +1,12 @@
 #include "solve/preconditioners.h"
 
-#include <algorithm>
+#include <cstddef>
 
 #include "base/parallel.h"
+#include "solve/blocks.h"
 #include "solve/vectors.h"
 
 namespace voropack {
-
-namespace {
-
-/// Vertices per block of the incomplete factorization. Larger blocks need fewer iterations, smaller ones keep more
-/// threads busy.
-constexpr std::size_t kBlockSize = 16384;
-
-constexpr std::size_t block_count(std::size_t n) { return (n + kBlockSize - 1) / kBlockSize; }
-
-/// Runs fn(begin, end) on every block, in parallel.
-template <class Fn>
-void for_each_block(std::size_t n, Fn&& fn) {
-  parallel_for(
-      block_count(n), [&](std::size_t b) { fn(b * kBlockSize, std::min(n, (b + 1) * kBlockSize)); }, 1);
-}
-
-}  // namespace
 
 DiagonalPreconditioner::DiagonalPreconditioner(const LinearSystem& system) : inverse_(diagonal_of(system.matrix)) {
   parallel_for(inverse_.size(), [&](std::size_t i) {

@@ -42,7 +42,9 @@ FOLDERS = {
     "pipeline": (up_to("pipeline"), ["base"]),
     # Control volumes of any program: no simplices, no geometry.
     "solve": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion", "nonlinear", "transient"], ["base"]),
-    "fem": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion", "fem"], ["base", "geom", "mesh"]),
+    # The refusals and the handling of problems without conditions are those of the control volume method.
+    "fem": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion", "fem"],
+            ["base", "geom", "mesh", "solve/faults.h", "solve/floating_parts.h"]),
     "norms": (BASICS + ["mesh", "dual", "norms"], ["base", "geom", "mesh"]),
 }
 

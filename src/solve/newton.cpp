@@ -1,0 +1,192 @@
+#include "solve/newton.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/parallel.h"
+#include "solve/faults.h"
+#include "solve/linear_solver.h"
+#include "solve/vectors.h"
+#include "voropack/error.h"
+
+namespace voropack {
+
+namespace {
+
+void check_options(const NewtonOptions& options) {
+  const auto fail = [](std::string message, std::string fix) {
+    throw OptionError(Fault{.id = "solve.bad_option", .message = std::move(message), .fix = std::move(fix)});
+  };
+  if (!(options.tolerance > 0 && options.tolerance < 1))
+    fail(fmt::format("the tolerance of Newton's method is {}", options.tolerance), "choose it between 0 and 1");
+  if (options.max_steps < 1)
+    fail(fmt::format("Newton's method may make {} steps", options.max_steps), "allow at least 1");
+  if (!(options.smallest_damping > 0 && options.smallest_damping <= 1))
+    fail(fmt::format("the smallest damping of Newton's method is {}", options.smallest_damping),
+         "choose it above 0 and at most 1");
+}
+
+/// The equations at one state. Norms are over free vertices.
+struct State {
+  IdVector<VertexId, double> values;
+  CellTerms terms;
+  LinearSystem system;
+  std::vector<double> residual;  ///< load - matrix values
+  double norm = 0;               ///< Of the residual.
+  double flow = 0;               ///< Of what each cell exchanges, gains and loses.
+  double rounding = 0;           ///< What the norm can be of rounding alone.
+
+  [[nodiscard]] double relative() const { return flow > 0 ? norm / flow : 0.0; }
+};
+
+void measure(State& state) {
+  const LinearSystem& system = state.system;
+  state.residual.resize(state.values.size());
+  std::vector<double> flow(state.values.size()), rounding(state.values.size());
+  free_residual(system, state.values.raw(), state.residual);
+  parallel_for(flow.size(), [&](std::size_t row) {
+    const VertexId v(row);
+    if (system.is_fixed[v] != 0) return;
+    flow[row] = std::abs(system.load[v] - system.absorption[v] * state.values[v]);
+    rounding[row] = std::abs(system.load[v]);
+    for (std::uint64_t e = system.matrix.offsets[row]; e != system.matrix.offsets[row + 1]; ++e) {
+      const VertexId w(system.matrix.columns[e]);
+      flow[row] += std::abs(system.matrix.values[e] * (state.values[v] - state.values[w]));
+      rounding[row] += std::abs(system.matrix.values[e] * state.values[w]);
+    }
+  });
+  state.norm = norm(state.residual);
+  state.flow = norm(flow);
+  state.rounding = 4 * std::numeric_limits<double>::epsilon() * norm(rounding);
+}
+
+template <int D>
+class Newton {
+ public:
+  Newton(const NonlinearEquations<D>& equations, const NewtonOptions& options, Observer& observer)
+      : equations_(equations), options_(options), observer_(observer) {}
+
+  NewtonResult run(IdVector<VertexId, double>& values) {
+    fix_values(values);
+    State state = state_at(std::move(values));
+    refuse_floating(state);
+    report_.first_residual = state.relative();
+    while (!is_converged(state)) {
+      observer_.check_cancelled();
+      if (report_.steps.size() == static_cast<std::size_t>(options_.max_steps)) throw_not_converged(state, "");
+      state = step(state);
+    }
+    report_.residual = state.relative();
+    values = std::move(state.values);
+    return {std::move(state.terms), std::move(state.system), std::move(linear_), std::move(report_)};
+  }
+
+ private:
+  [[nodiscard]] bool is_converged(const State& state) const {
+    return state.norm <= std::max(options_.tolerance * state.flow, state.rounding);
+  }
+
+  void fix_values(IdVector<VertexId, double>& values) const {
+    const auto patches = evaluate_patches(equations_.volumes, equations_.boundary, equations_.problem.conditions);
+    for (std::size_t p = patches.size(); p-- > 0;)  // Backward: the smallest marker wins.
+      if (patches[PatchId(p)].is_fixed)
+        values[equations_.boundary.patch_vertex[PatchId(p)]] = patches[PatchId(p)].value;
+  }
+
+  [[nodiscard]] State state_at(IdVector<VertexId, double> values) const {
+    CellTerms terms = evaluate(equations_.volumes, equations_.boundary, equations_.index, equations_.problem, &values);
+    LinearSystem system = assemble_terms(equations_.volumes, equations_.boundary, terms, equations_.step);
+    State state{.values = std::move(values), .terms = std::move(terms), .system = std::move(system), .residual = {}};
+    measure(state);
+    return state;
+  }
+
+  /// A source that depends on the solution may hold it, anything else is as in linear problems.
+  void refuse_floating(const State& state) const {
+    if (!state.terms.source_slope.empty() || check_m_matrix(state.system).n_floating == 0) return;
+    fail_input("solve.no_condition", "no condition holds the solution in some part: it is free up to a constant",
+               "give a Dirichlet or Robin condition on its boundary, or a reaction");
+  }
+
+  /// The correction of an undamped step.
+  IdVector<VertexId, double> correction(const State& state) {
+    LinearSystem system = state.system;
+    differentiate_terms(equations_.volumes, state.terms, state.values, system);
+    system.load.raw() = state.residual;
+    system.fixed_value = IdVector<VertexId, double>(state.values.size());
+    LinearSolution solution = LinearSolver(system, options_.linear).solve(system, observer_);
+    close_balances(system, equations_.groups, solution);
+    linear_ = std::move(solution.report);
+    return std::move(solution.values);
+  }
+
+  State step(const State& state) {
+    // Armijo's rule, with the usual slope [Deuflhard2011]. Below rounding there is nothing to gain.
+    constexpr double kSufficient = 1e-4;
+    const IdVector<VertexId, double> d = correction(state);
+    for (double damping = 1; damping >= options_.smallest_damping; damping /= 2) {
+      IdVector<VertexId, double> values = state.values;
+      for (const VertexId v : ids(values)) values[v] += damping * d[v];
+      std::optional<State> trial = try_state(std::move(values));
+      if (!trial || !(trial->norm <= (1 - kSufficient * damping) * state.norm || trial->norm <= trial->rounding))
+        continue;
+      report_.steps.push_back({trial->relative(), damping, linear_.n_iterations});
+      return std::move(*trial);
+    }
+    throw_not_converged(state, ", from where no correction however small gains anything");
+  }
+
+  /// None if a coefficient leaves its range there: such a state is not an answer, but no fault of the caller's either.
+  std::optional<State> try_state(IdVector<VertexId, double> values) const {
+    try {
+      return state_at(std::move(values));
+    } catch (const InputError&) {
+      return {};
+    }
+  }
+
+  [[noreturn]] void throw_not_converged(const State& state, const char* how) const {
+    std::size_t worst = 0;
+    for (std::size_t v = 0; v < state.residual.size(); ++v)
+      if (std::abs(state.residual[v]) > std::abs(state.residual[worst])) worst = v;
+    const Vec<D>& x = equations_.volumes.sites[VertexId(worst)];
+    throw NumericalError(
+        Fault{.id = "solve.not_converged",
+              .message = fmt::format("Newton's method reached a residual of {:.3g} of what flows in {} steps{}; it is "
+                                     "largest at vertex {} near {}, where u = {:.6g}",
+                                     state.relative(), report_.steps.size(), how, worst, place_text(x),
+                                     state.values[VertexId(worst)]),
+              .fix = "begin with better initial values, allow more steps, or follow the problem in time",
+              .position = {x.coord.begin(), x.coord.end()}});
+  }
+
+  const NonlinearEquations<D>& equations_;
+  const NewtonOptions& options_;
+  Observer& observer_;
+  NewtonReport report_;
+  LinearReport linear_;
+};
+
+}  // namespace
+
+template <int D>
+NewtonResult run_newton(const NonlinearEquations<D>& equations, const NewtonOptions& options, Observer& observer,
+                        IdVector<VertexId, double>& values) {
+  check_options(options);
+  return Newton<D>(equations, options, observer).run(values);
+}
+
+template NewtonResult run_newton(const NonlinearEquations<2>&, const NewtonOptions&, Observer&,
+                                 IdVector<VertexId, double>&);
+template NewtonResult run_newton(const NonlinearEquations<3>&, const NewtonOptions&, Observer&,
+                                 IdVector<VertexId, double>&);
+
+}  // namespace voropack
