@@ -38,7 +38,7 @@ struct NonlinearSolution {
 
 /// Solves -div(kappa(x, u) grad u) + sigma u = f(x, u) with the conditions of `problem` by Newton's method with a line
 /// search [Deuflhard2011]: each correction is halved until the norm of the residual falls and all coefficients stay in
-/// their range. Problems without a StateFunction take one step.
+/// their range. Far from the solution, steps hold kappa as it is. Problems without a StateFunction take one step.
 ///
 /// kappa is evaluated at the two ends of each edge; its harmonic mean conducts. f is taken at the site, times the
 /// volume. The solution is unique where kappa does not depend on u and df/du <= sigma, and where kappa depends on u

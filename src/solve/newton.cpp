@@ -116,10 +116,12 @@ class Newton {
                "give a Dirichlet or Robin condition on its boundary, or a reaction");
   }
 
-  /// The correction of an undamped step.
-  IdVector<VertexId, double> correction(const State& state) {
+  /// The correction of an undamped step, with the derivatives of all coefficients or with the conductivity held.
+  IdVector<VertexId, double> correction(const State& state, bool holds_conductivity) {
     LinearSystem system = state.system;
-    differentiate_terms(equations_.volumes, state.terms, state.values, system);
+    CellTerms terms = state.terms;
+    if (holds_conductivity) terms.coupling_slope.clear();
+    differentiate_terms(equations_.volumes, terms, state.values, system);
     system.load.raw() = state.residual;
     system.fixed_value = IdVector<VertexId, double>(state.values.size());
     LinearSolution solution = LinearSolver(system, options_.linear).solve(system, observer_);
@@ -129,19 +131,39 @@ class Newton {
   }
 
   State step(const State& state) {
-    // Armijo's rule, with the usual slope [Deuflhard2011]. Below rounding there is nothing to gain.
-    constexpr double kSufficient = 1e-4;
-    const IdVector<VertexId, double> d = correction(state);
-    for (double damping = 1; damping >= options_.smallest_damping; damping /= 2) {
-      IdVector<VertexId, double> values = state.values;
-      for (const VertexId v : ids(values)) values[v] += damping * d[v];
-      std::optional<State> trial = try_state(std::move(values));
-      if (!trial || !(trial->norm <= (1 - kSufficient * damping) * state.norm || trial->norm <= trial->rounding))
-        continue;
-      report_.steps.push_back({trial->relative(), damping, linear_.n_iterations});
-      return std::move(*trial);
+    // Far from the solution, as with initial values that do not fit the conditions, Newton's method for kappa(u) may
+    // run to where nothing conducts, which makes residuals small too. Fixed-point steps do not.
+    constexpr double kFarAway = 0.1, kWorthwhile = 0.9;
+    if (!state.terms.coupling_slope.empty() && state.relative() > kFarAway && uses_fixed_point_) {
+      const auto closer = [&](const State& trial, double) {
+        return trial.relative() <= kWorthwhile * state.relative();
+      };
+      if (std::optional<State> next = search(state, correction(state, true), 0.1, closer)) return std::move(*next);
+      uses_fixed_point_ = false;
     }
+    // Armijo's rule, with the usual slope. Below rounding there is nothing to gain.
+    constexpr double kSufficient = 1e-4;
+    const auto falls = [&](const State& trial, double damping) {
+      return trial.norm <= (1 - kSufficient * damping) * state.norm || trial.norm <= trial.rounding;
+    };
+    if (std::optional<State> next = search(state, correction(state, false), options_.smallest_damping, falls))
+      return std::move(*next);
     throw_not_converged(state, ", from where no correction however small gains anything");
+  }
+
+  /// The first state along the correction that is accepted, by halving.
+  template <class Accepts>
+  std::optional<State> search(const State& state, const IdVector<VertexId, double>& correction, double smallest_damping,
+                              const Accepts& accepts) {
+    for (double damping = 1; damping >= smallest_damping; damping /= 2) {
+      IdVector<VertexId, double> values = state.values;
+      for (const VertexId v : ids(values)) values[v] += damping * correction[v];
+      std::optional<State> trial = try_state(std::move(values));
+      if (!trial || !accepts(*trial, damping)) continue;
+      report_.steps.push_back({trial->relative(), damping, linear_.n_iterations});
+      return trial;
+    }
+    return {};
   }
 
   /// None if a coefficient leaves its range there: such a state is not an answer, but no fault of the caller's either.
@@ -171,6 +193,7 @@ class Newton {
   const NonlinearEquations<D>& equations_;
   const NewtonOptions& options_;
   Observer& observer_;
+  bool uses_fixed_point_ = true;
   NewtonReport report_;
   LinearReport linear_;
 };

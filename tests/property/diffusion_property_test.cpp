@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "support/allow_threads.h"
+#include "support/balance_checks.h"
 #include "support/cases.h"
 #include "support/sharp_domains.h"
 #include "voropack/diffusion.h"
@@ -16,8 +17,8 @@
 namespace voropack {
 namespace {
 
-constexpr double kExact = 1e-12;    ///< Of linear functions, relative to their largest value.
-constexpr double kBalance = 1e-12;  ///< Relative to what flows.
+constexpr double kExact = 1e-12;  ///< Of linear functions, relative to their largest value.
+using test::kBalance;
 
 /// A linear function that varies in every direction.
 template <int D>
@@ -53,13 +54,7 @@ double largest_error(const ControlVolumes<D>& volumes, const DiffusionSolution<D
 
 template <int D>
 void expect_balanced(const DiffusionSolution<D>& u) {
-  double exchange = 0, throughput = 0;
-  for (const RegionBalance& balance : u.balances) {
-    EXPECT_LE(std::abs(balance.imbalance), kBalance * balance.throughput) << "region " << balance.region;
-    exchange += balance.interface_inflow;
-    throughput += balance.throughput;
-  }
-  EXPECT_LE(std::abs(exchange), kBalance * throughput);
+  test::expect_balanced(u.balances);
 }
 
 /// The outward normal of each marker of an axis-aligned box [0, hi].

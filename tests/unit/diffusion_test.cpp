@@ -7,28 +7,18 @@
 #include <limits>
 #include <string>
 
+#include "support/faults.h"
 #include "support/strip_volumes.h"
 
 namespace voropack {
 namespace {
 
+using test::fault_of;
 using test::Strip;
 using test::strip;
 
 const VertexId v0(0), v1(1), v2(2);
 constexpr double kRounding = 1e-14;
-
-/// Runs fn, which has to throw an Error of class E, and returns its first fault.
-template <class E, class Fn>
-Fault fault_of(Fn&& fn) {
-  try {
-    fn();
-  } catch (const E& error) {
-    return error.faults().front();
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return {};
-}
 
 DiffusionProblem<2> between(double left, double right) {
   DiffusionProblem<2> problem;
