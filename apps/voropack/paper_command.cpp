@@ -87,6 +87,8 @@ ExitCode measure_mesh_file(const Figure3Arguments& arguments, Session& session) 
   };
   json["nsliv"] = details.n_slivers;
   json["zero_areas"] = solutions.volumes.n_zero_areas;
+  add("zeroed_area", solutions.volumes.zeroed_area);
+  add("zeroed_area_bound", solutions.volumes.zeroed_area_bound);
   add("radius_edge", figures.radius_edge);
   for (const Column column : kColumns) add(name_of(column), value_of(figures, column));
   add("fem_max", details.fem_max);

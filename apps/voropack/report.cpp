@@ -88,6 +88,9 @@ void add_quality(Json& json, const QualityReport& q) {
   if (q.n_dual_faces > 0) {
     set_number(dual, "min_face_area", q.min_face_area);
     dual["negative_faces"] = q.n_negative_faces;
+    dual["zero_faces"] = q.n_zero_faces;
+    set_number(dual, "zeroed_area", q.zeroed_area);
+    set_number(dual, "zeroed_area_bound", q.zeroed_area_bound);
   }
   if (q.n_cells > 0) dual["cell_aspect"] = spread_json(q.cell_aspect, {kMax, kP99, kMean});
   json["quality"] = std::move(quality);

@@ -39,6 +39,9 @@ struct QualityReport {
   double min_cell_volume = 0;
   double min_face_area = 0;
   std::uint64_t n_negative_faces = 0;
+  std::uint64_t n_zero_faces = 0;  ///< As ControlVolumes::n_zero_areas; the next two likewise.
+  double zeroed_area = 0;
+  double zeroed_area_bound = 0;
   /// R/r of Theorem 2.4, per cell: smallest enclosing over largest inscribed ball; an upper bound where the region is
   /// not convex at the site (docs/theory/quality.md).
   Spread cell_aspect;

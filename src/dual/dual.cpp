@@ -181,9 +181,15 @@ double add_simplex(const Mesh<2>& mesh, const Shares<2>& shares, SimplexId s, Ve
   return 0;
 }
 
+/// 4 A / h (A / h in 2D) of one edge and region. If it is 0: what it was before that, and the certified error.
+struct ResolvedSum {
+  double value = 0;
+  double dropped = 0, error = 0;
+};
+
 /// The area of edge (i, j) in a region to about 30 digits, over h/4: for the rare edges of a mesh that is not
 /// conforming whose sign double precision leaves open.
-double exact_sum(const Mesh<3>& mesh, std::span<const SimplexId> simplices, VertexId i, const EdgeSum& edge) {
+ResolvedSum exact_sum(const Mesh<3>& mesh, std::span<const SimplexId> simplices, VertexId i, const EdgeSum& edge) {
   const VertexId j = edge.other;
   Dd sum;
   double magnitude = 0;
@@ -214,26 +220,27 @@ double exact_sum(const Mesh<3>& mesh, std::span<const SimplexId> simplices, Vert
       }
     }
   }
-  const double value = to_double(sum);
-  return std::abs(value) <= 64 * kDdUnit * magnitude ? 0 : value;
+  const double value = to_double(sum), error = 64 * kDdUnit * magnitude;
+  if (std::abs(value) <= error) return {.dropped = std::abs(value), .error = error};
+  return {.value = value};
 }
 
 /// 4 A / h, with the sign of the exact value. `reach` bounds the distances from i to the corners around it.
-double resolve_sum(const Mesh<3>& mesh, std::span<const SimplexId> simplices, VertexId i, const EdgeSum& edge,
-                   double reach, bool conforming) {
+ResolvedSum resolve_sum(const Mesh<3>& mesh, std::span<const SimplexId> simplices, VertexId i, const EdgeSum& edge,
+                        double reach, bool conforming) {
   // Per term: the share errs by at most kFaceWeightError / L and |dot_k| <= 4 reach L; the product of |i - k| <= reach
   // and |j - k| <= 2 reach errs by at most 10u reach^2; and the sum by n u of its terms.
   const double rounding = 0x1.0p-53 * (10 + 2 * edge.n_terms) * reach * reach * edge.shares;
   const double error = 4 * kFaceWeightError * reach * edge.n_terms + rounding;
-  if (std::abs(edge.sum) > error || edge.shares == 0) return edge.sum;
+  if (std::abs(edge.sum) > error || edge.shares == 0 || (conforming && edge.sum > 0)) return {.value = edge.sum};
   // Areas of a conforming mesh are not negative, and this one is below the accuracy that is promised.
-  if (conforming) return std::max(edge.sum, 0.0);
+  if (conforming) return {.dropped = -edge.sum, .error = error};
   return exact_sum(mesh, simplices, i, edge);
 }
 
 /// A / h: in 2D the sum of two equal halves is the weight itself, whose sign is exact.
-double resolve_sum(const Mesh<2>&, std::span<const SimplexId>, VertexId, const EdgeSum& edge, double, bool) {
-  return edge.sum;
+ResolvedSum resolve_sum(const Mesh<2>&, std::span<const SimplexId>, VertexId, const EdgeSum& edge, double, bool) {
+  return {.value = edge.sum};
 }
 
 /// What one block of vertices contributes to the result, in order.
@@ -250,6 +257,7 @@ struct BlockResult {
   std::vector<Face> faces;
   std::vector<Cell> cells;
   std::uint64_t n_zero_areas = 0;
+  double zeroed_area = 0, zeroed_area_bound = 0;
 };
 
 /// The passes over the mesh that make the control volumes.
@@ -313,11 +321,13 @@ class DualBuilder {
     }
     const double reach = std::sqrt(reach_sq);
     for (const EdgeSum& edge : table.take_sorted()) {
-      const double sum = resolve_sum(mesh_, simplices, i, edge, reach, conforming);
+      const ResolvedSum sum = resolve_sum(mesh_, simplices, i, edge, reach, conforming);
       const double length = distance(mesh_.points[i], mesh_.points[edge.other]);
-      const double area = kSumToArea * length * sum;
+      const double area = kSumToArea * length * sum.value;
       if (area == 0) {
         ++block.n_zero_areas;
+        block.zeroed_area += kSumToArea * length * sum.dropped;
+        block.zeroed_area_bound += kSumToArea * length * sum.error;
       } else {
         block.faces.push_back({i, edge.other, edge.region, area, length});
       }
@@ -331,6 +341,8 @@ class DualBuilder {
       first_face[b + 1] = first_face[b] + blocks[b].faces.size();
       first_cell[b + 1] = first_cell[b] + blocks[b].cells.size();
       out.n_zero_areas += blocks[b].n_zero_areas;
+      out.zeroed_area += blocks[b].zeroed_area;
+      out.zeroed_area_bound += blocks[b].zeroed_area_bound;
     }
     check_id_range(first_face.back());
     out.face_vertices.resize(first_face.back());

@@ -242,6 +242,9 @@ class QualityMeasure {
     report_.volume_sum = to_double(sum);
     if (!volumes_.cell_volume.empty())
       report_.min_cell_volume = *std::min_element(volumes_.cell_volume.begin(), volumes_.cell_volume.end());
+    report_.n_zero_faces = volumes_.n_zero_areas;
+    report_.zeroed_area = volumes_.zeroed_area;
+    report_.zeroed_area_bound = volumes_.zeroed_area_bound;
     if (volumes_.face_area.empty()) return;
     struct Areas {
       double least;

@@ -137,6 +137,12 @@ TEST(Figure3, NoAreaIsNegativeHoweverFlatTheSlivers) {
     double sum = 0;
     for (const double volume : volumes.cell_volume) sum += volume;
     EXPECT_NEAR(sum, 1, 1e-13);
+    EXPECT_LE(volumes.zeroed_area, volumes.zeroed_area_bound) << eps;
+    // The certified errors themselves are what docs/theory/dual.md promises, 1e-12 h^2 each.
+    EXPECT_LE(volumes.zeroed_area_bound, 1e-12 * static_cast<double>(volumes.n_zero_areas)) << eps;
+    if (eps == 1e-15) {
+      EXPECT_GT(volumes.zeroed_area, 0);
+    }
   }
 }
 
