@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,22 +48,49 @@ inline MeshingResult<3> packed_cube(double n, Interior interior) {
   return make_mesh(domains::unit_cube(), options);
 }
 
-/// The W norm of the error at the vertices, with Dirichlet conditions and the source integrated over the cells.
-inline double w_error(const MeshingResult<3>& result, const Manufactured& problem) {
+/// For each manufactured solution the W norm of the error at the vertices, with Dirichlet conditions and the source
+/// integrated over the cells.
+inline std::vector<double> w_errors(const MeshingResult<3>& result) {
   const BoundaryAreas<3> boundary = build_boundary_areas(result.mesh);
-  DiffusionProblem<3> diffusion;
-  for (const int marker : boundary.patch_marker) diffusion.conditions[marker] = Dirichlet<3>{problem.u};
-  if (problem.source)
-    diffusion.source_integrals = integrate_over_cells<3>(build_cell_shapes(result.mesh, result.volumes), result.volumes,
-                                                         [&](const Vec<3>& x, int) { return problem.source(x); });
-  const auto solution = solve(result.volumes, boundary, diffusion);
-  const VertexValues errors = vertex_errors<3>(result.volumes.sites, solution.values, problem.u);
-  return w_norm(result.volumes, errors, find_hull_vertices(result.mesh));
+  const CellShapes<3> shapes = build_cell_shapes(result.mesh, result.volumes);
+  const VertexFlags on_hull = find_hull_vertices(result.mesh);
+  std::vector<double> errors;
+  for (const Manufactured& solution : manufactured_solutions()) {
+    DiffusionProblem<3> problem;
+    for (const int marker : boundary.patch_marker) problem.conditions[marker] = Dirichlet<3>{solution.u};
+    if (solution.source)
+      problem.source_integrals =
+          integrate_over_cells<3>(shapes, result.volumes, [&](const Vec<3>& x, int) { return solution.source(x); });
+    const auto found = solve(result.volumes, boundary, problem);
+    errors.push_back(w_norm(result.volumes, vertex_errors<3>(result.volumes.sites, found.values, solution.u), on_hull));
+  }
+  return errors;
 }
 
-/// The order in h ~ n^(-1/3) between two meshes.
-inline double observed_order(double n_coarse, double coarse, double n_fine, double fine) {
-  return std::log(coarse / fine) / (std::log(n_fine / n_coarse) / 3);
-}
+/// The errors of one solution on some meshes.
+struct ErrorHistory {
+  std::vector<double> n_vertices, errors;
+
+  /// The order in h ~ n^(-1/3): the slope of the line that fits the logarithms best. Single pairs of lattice meshes say
+  /// little: how well a lattice fits the cube is not a smooth function of its size.
+  [[nodiscard]] double order() const {
+    const auto n = static_cast<double>(errors.size());
+    double x_mean = 0, y_mean = 0, xy = 0, xx = 0;
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      x_mean += log_h(i) / n;
+      y_mean += std::log(errors[i]) / n;
+    }
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      xy += (log_h(i) - x_mean) * (std::log(errors[i]) - y_mean);
+      xx += (log_h(i) - x_mean) * (log_h(i) - x_mean);
+    }
+    return xy / xx;
+  }
+  /// Error over h, on the last mesh.
+  [[nodiscard]] double constant() const { return errors.back() / std::exp(log_h(errors.size() - 1)); }
+
+ private:
+  [[nodiscard]] double log_h(std::size_t i) const { return -std::log(n_vertices[i]) / 3; }
+};
 
 }  // namespace voropack::test

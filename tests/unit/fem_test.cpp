@@ -262,6 +262,55 @@ TEST(Fem, RefusesWhatItCannotUse) {
   expect_fault("solve.unknown_marker", [&] { assemble_fem(mesh, problem); });
 }
 
+TEST(Fem, RefusesWhatBelongsToControlVolumes) {
+  const Mesh<3> mesh = delaunay_mesh(perturbed_grid<3>(2, 0.1));
+  DiffusionProblem<3> problem;
+  problem.conditions[0] = Dirichlet<3>{};
+  problem.source_integrals = IdVector<CellId, double>(mesh.points.size());
+  expect_fault("solve.cell_integrals", [&] { solve_fem(mesh, problem); });
+  problem.source_integrals.reset();
+  problem.source = StateFunction<3>{[](const Vec<3>&, int, double u) { return -u; }, {}};
+  expect_fault("solve.nonlinear", [&] { solve_fem(mesh, problem); });
+  problem.source = 0.0;
+  problem.mean = 1;
+  expect_fault("solve.mean_not_free", [&] { solve_fem(mesh, problem); });
+  problem.conditions.clear();
+  problem.mean.reset();
+  expect_fault("solve.no_condition", [&] { solve_fem(mesh, problem); });
+  problem.mean = 1;
+  problem.source = 1.0;
+  expect_fault("solve.incompatible", [&] { solve_fem(mesh, problem); });
+}
+
+TEST(Fem, PureNeumannTakesTheMean) {
+  // -laplace u = pi^2 cos(pi x): u = 3 + cos(pi x), nothing enters anywhere.
+  constexpr double kPi = 3.14159265358979323846;
+  const Mesh<2> mesh = delaunay_mesh(perturbed_grid<2>(24, 0.1));
+  DiffusionProblem<2> problem;
+  problem.source = RegionFunction<2>([](const Vec<2>& x, int) { return kPi * kPi * std::cos(kPi * x[0]); });
+  problem.mean = 3;
+  const auto values = solve_fem(mesh, problem).values;
+  const auto volume = load_vector<2>(mesh, 1.0);
+  double mean = 0, total = 0, error = 0;
+  for (const VertexId v : ids(values)) {
+    mean += volume[v] * values[v];
+    total += volume[v];
+    error = std::max(error, std::abs(values[v] - 3 - std::cos(kPi * mesh.points[v][0])));
+  }
+  EXPECT_NEAR(mean / total, 3, 1e-12);
+  EXPECT_LT(error, 0.01);
+}
+
+TEST(Fem, ARateIsATotalInflow) {
+  const Mesh<2> mesh = delaunay_mesh(perturbed_grid<2>(6, 0.1));
+  DiffusionProblem<2> problem;
+  problem.conditions[0] = Rate<2>{2.5};
+  const LinearSystem system = assemble_fem(mesh, problem);
+  double sum = 0;
+  for (const double load : system.load) sum += load;
+  EXPECT_NEAR(sum, 2.5, 1e-13);
+}
+
 TEST(Fem, FixesAVertexWithoutSimplices) {
   const Function<2> exact = [](const Vec<2>& x) { return x[0] + x[1]; };
   Mesh<2> mesh = delaunay_mesh(perturbed_grid<2>(4, 0.1));
