@@ -16,6 +16,7 @@ namespace {
 
 struct CheckArguments {
   fs::path mesh;
+  bool redelaunay = false;
   std::optional<fs::path> domain;
   DomainOptions merge;
   CertificateOptions claims;
@@ -33,6 +34,7 @@ Domain<D> read_domain_of(const fs::path& path, const DomainOptions& options, Obs
 
 Json options_json(const CheckArguments& arguments) {
   Json json = Json::object();
+  json["redelaunay"] = arguments.redelaunay;
   if (arguments.domain) json["domain"] = arguments.domain->string();
   if (arguments.merge.merge_distance) json["merge_distance"] = *arguments.merge.merge_distance;
   if (arguments.domain) json["merge_angle"] = arguments.merge.merge_angle_deg;
@@ -101,7 +103,8 @@ ExitCode run_check(const CheckArguments& arguments, Session& session) {
   StageTimes times;
   AnyMesh mesh;
   try {
-    mesh = timed(times, "read", [&] { return read_mesh(arguments.mesh, session.observer); });
+    mesh = timed(times, "read",
+                 [&] { return read_mesh_or_triangulate(arguments.mesh, arguments.redelaunay, session.observer); });
   } catch (const InputError& error) {
     if (!is_contradiction(error.faults().front())) throw;
     return reject(error, arguments, times, session);
@@ -118,6 +121,7 @@ Command add_check_command(CLI::App& root, CommonOptions& common) {
       ->required();
   app->add_option("--domain", arguments->domain, "Compare with this domain: conformity and volumes")
       ->type_name("DOMAIN");
+  add_redelaunay_option(*app, arguments->redelaunay);
   add_merge_options(*app, arguments->merge);
   add_gradation_option(*app, arguments->claims.gradation);
   add_form_options(*app, arguments->claims.form, arguments->claims.epsilon);

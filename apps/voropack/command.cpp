@@ -4,9 +4,22 @@
 
 #include "interrupt.h"
 #include "print.h"
+#include "voropack/delaunay.h"
 #include "voropack/error.h"
 
 namespace voropack::app {
+
+void add_redelaunay_option(CLI::App& app, bool& redelaunay) {
+  app.add_flag("--redelaunay", redelaunay,
+               "Triangulate the mesh's vertices anew: flat simplices go away, regions and markers\n"
+               "stay, or the mesh is refused");
+}
+
+AnyMesh read_mesh_or_triangulate(const std::filesystem::path& path, bool redelaunay, Observer& observer) {
+  if (!redelaunay) return read_mesh(path, observer);
+  return std::visit([&](const auto& mesh) { return AnyMesh(retriangulate(mesh, observer)); },
+                    read_mesh(path, observer, FlatSimplices::kLeaveOut));
+}
 
 int thread_count(int wanted) { return wanted > 0 ? wanted : tbb::info::default_concurrency(); }
 

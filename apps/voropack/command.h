@@ -44,6 +44,12 @@ Command add_convert_command(CLI::App& root, CommonOptions& common);
 Command add_plot_command(CLI::App& root, CommonOptions& common);
 Command add_paper_command(CLI::App& root, CommonOptions& common);
 
+/// --redelaunay of the commands that read a mesh.
+void add_redelaunay_option(CLI::App& app, bool& redelaunay);
+
+/// Reads a mesh; with `redelaunay`, triangulates its vertices anew and keeps its regions and markers.
+AnyMesh read_mesh_or_triangulate(const std::filesystem::path& path, bool redelaunay, Observer& observer);
+
 /// The threads that a run uses: `wanted`, or as many as the machine has.
 int thread_count(int wanted);
 

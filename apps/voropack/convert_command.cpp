@@ -11,6 +11,7 @@ namespace {
 
 struct ConvertArguments {
   std::filesystem::path from, to;
+  bool redelaunay = false;
 };
 
 ExitCode run_convert(const ConvertArguments& arguments, Session& session) {
@@ -20,8 +21,11 @@ ExitCode run_convert(const ConvertArguments& arguments, Session& session) {
   Report report;
   report.command = "convert";
   report.options["output"] = arguments.to.string();
+  report.options["redelaunay"] = arguments.redelaunay;
   session.observer.begin_stage("read");
-  const AnyMesh mesh = timed(report.times, "read", [&] { return read_mesh(arguments.from, session.observer); });
+  const AnyMesh mesh = timed(report.times, "read", [&] {
+    return read_mesh_or_triangulate(arguments.from, arguments.redelaunay, session.observer);
+  });
   return std::visit(
       [&](const auto& any) {
         report.input = describe_file(arguments.from, dimension_of(any));
@@ -41,6 +45,7 @@ Command add_convert_command(CLI::App& root, CommonOptions& common) {
   const auto arguments = std::make_shared<ConvertArguments>();
   app->add_option("IN", arguments->from, "Mesh to read: .node (with .ele) or .vtu")->required();
   app->add_option("OUT", arguments->to, "Mesh to write: .node (with .ele, .face, .edge) or .vtu")->required();
+  add_redelaunay_option(*app, arguments->redelaunay);
   add_common_options(*app, common);
   app->footer("Example: voropack convert part.node part.vtu");
   return {app, [arguments](Session& session) { return run_convert(*arguments, session); }};

@@ -1,6 +1,7 @@
 // Stages 0 and 9: files -> DomainInput or Mesh, and results -> files. Formats are described in docs/formats.md.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <variant>
@@ -27,12 +28,17 @@ using AnyMesh = std::variant<Mesh<2>, Mesh<3>>;
 ///         in docs/formats.md. LimitError limit.ids, limit.memory. Cancelled.
 AnyDomainInput read_domain(const std::filesystem::path& path, Observer& observer = silent_observer());
 
+/// What to do with simplices without volume.
+enum class FlatSimplices : std::uint8_t { kRefuse, kLeaveOut };
+
 /// Reads a mesh by extension: .node (with .ele and, where present, .face, .edge) or .vtu. Orientation is made positive;
 /// neighbors are built; hull faces and interfaces that no file lists are added with marker 0; listed faces and edges
 /// that no simplex has are kept, for `certify` to name; simplices without region get region 1. Throws as read_domain,
 /// and InputError mesh.flat_simplex, mesh.nonmanifold, mesh.overlapping_simplices, io.duplicate_face,
 /// io.duplicate_edge.
-AnyMesh read_mesh(const std::filesystem::path& path, Observer& observer = silent_observer());
+/// With FlatSimplices::kLeaveOut, flat simplices leave gaps behind, which `retriangulate` fills.
+AnyMesh read_mesh(const std::filesystem::path& path, Observer& observer = silent_observer(),
+                  FlatSimplices flat = FlatSimplices::kRefuse);
 
 /// Writes a mesh by extension: .node (with .ele and .face, .edge) or .vtu. Each file is written beside its place and
 /// renamed, so that an interrupted or failed run leaves nothing half-written. Missing parent folders are made. Throws:

@@ -68,9 +68,9 @@ struct ControlVolumes {
   IdVector<DualFaceId, double> face_edge_length;                ///< [n_faces] h_ij.
 
   // How the numbers were obtained, for the report.
-  std::uint64_t n_zero_areas = 0;         ///< Dual faces without area, up to certified errors, and therefore not listed.
-  double zeroed_area = 0;                 ///< Sum of the magnitudes that rounding gave these areas.
-  double zeroed_area_bound = 0;           ///< Sum of the certified errors within which they are zero: not less.
+  std::uint64_t n_zero_areas = 0;  ///< Dual faces without area, up to certified errors, and therefore not listed.
+  double zeroed_area = 0;          ///< Sum of the magnitudes that rounding gave these areas.
+  double zeroed_area_bound = 0;    ///< Sum of the certified errors within which they are zero: not less.
   std::uint64_t n_exact_evaluations = 0;  ///< Dual edges that needed more than double precision.
 };
 

@@ -20,7 +20,7 @@ std::filesystem::path sibling(const std::filesystem::path& path, const char* ext
   return result.replace_extension(extension);
 }
 
-AnyMesh read_node_files(const std::filesystem::path& path, Observer& observer) {
+AnyMesh read_node_files(const std::filesystem::path& path, Observer& observer, FlatSimplices flat) {
   const FileContent node = io::read_file(path);
   const std::filesystem::path ele_path = sibling(path, ".ele");
   const std::optional<FileContent> ele = io::read_file_if_present(ele_path);
@@ -35,7 +35,7 @@ AnyMesh read_node_files(const std::filesystem::path& path, Observer& observer) {
   std::optional<FileContent> poly;
   if (!edge) poly = io::read_file_if_present(sibling(path, ".poly"));
   if (poly) sources.poly = poly->source();
-  return io::parse_node_mesh(sources, observer);
+  return io::parse_node_mesh(sources, observer, flat);
 }
 
 }  // namespace
@@ -59,11 +59,11 @@ AnyDomainInput read_domain(const std::filesystem::path& path, Observer& observer
   return parse();
 }
 
-AnyMesh read_mesh(const std::filesystem::path& path, Observer& observer) {
+AnyMesh read_mesh(const std::filesystem::path& path, Observer& observer, FlatSimplices flat) {
   const std::string extension = io::lower_extension(path);
-  if (extension == ".node") return read_node_files(path, observer);
+  if (extension == ".node") return read_node_files(path, observer, flat);
   const FileContent content = io::read_file(path);
-  if (extension == ".vtu") return io::parse_vtu(content.source(), observer);
+  if (extension == ".vtu") return io::parse_vtu(content.source(), observer, flat);
   io::fail(content.file, "io.unknown_format",
            fmt::format("meshes with the extension {} are not known", io::quote(extension)),
            "give the mesh as .node with .ele beside it, or as .vtu");

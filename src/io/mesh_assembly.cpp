@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <limits>
 
@@ -29,10 +30,24 @@ template <std::size_t K>
            listing.lines.empty() ? std::nullopt : std::optional(listing.lines[i]));
 }
 
-/// Makes every simplex positive. Throws mesh.flat_simplex.
+/// Takes the simplices out for which `is_out` is not 0.
+template <std::size_t K>
+void remove_entries(Listing<K>& listing, const std::vector<std::uint8_t>& is_out) {
+  const auto remove_from = [&](auto& values) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (is_out[i] == 0) values[kept++] = values[i];
+    values.resize(kept);
+  };
+  remove_from(listing.vertices);
+  remove_from(listing.markers);
+  remove_from(listing.lines);
+}
+
+/// Makes every simplex positive. Leaves flat ones out, or throws mesh.flat_simplex.
 template <int D>
-void orient(const Mesh<D>& mesh, Listing<D + 1>& simplices) {
-  std::atomic<std::size_t> first_flat = simplices.vertices.size();
+void orient(const Mesh<D>& mesh, Listing<D + 1>& simplices, FlatSimplices flat) {
+  std::vector<std::uint8_t> is_flat(simplices.vertices.size());
   parallel_for(simplices.vertices.size(), [&](std::size_t s) {
     auto& c = simplices.vertices[s];
     int sign = 0;
@@ -41,14 +56,15 @@ void orient(const Mesh<D>& mesh, Listing<D + 1>& simplices) {
     else
       sign = orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]], mesh.points[c[3]]);
     if (sign < 0) std::swap(c[D - 1], c[D]);
-    if (sign == 0)
-      for (std::size_t seen = first_flat; s < seen && !first_flat.compare_exchange_weak(seen, s);) continue;
+    if (sign == 0) is_flat[s] = 1;
   });
-  if (first_flat == simplices.vertices.size()) return;
+  const auto first_flat = static_cast<std::size_t>(std::find(is_flat.begin(), is_flat.end(), 1) - is_flat.begin());
+  if (first_flat == is_flat.size()) return;
+  if (flat == FlatSimplices::kLeaveOut) return remove_entries(simplices, is_flat);
   fail_at(simplices, first_flat, "mesh.flat_simplex",
           element_text(simplices, D == 2 ? "triangle" : "tetrahedron", first_flat) +
               (D == 2 ? " has zero area" : " has zero volume"),
-          "remove it, or move one of its vertices");
+          "remove it, move one of its vertices, or triangulate the points anew (--redelaunay)");
 }
 
 /// Which entries of a listing occur in the mesh, and whether the mesh has nothing of the kind that is not listed.
@@ -161,8 +177,9 @@ void assemble_segments(Mesh<3>& mesh, const Listing<2>& segments) {
 }  // namespace
 
 template <int D>
-void assemble_mesh(Mesh<D>& mesh, Listing<D + 1> simplices, const Listing<D>& boundary, const Listing<2>& segments) {
-  orient<D>(mesh, simplices);
+void assemble_mesh(Mesh<D>& mesh, Listing<D + 1> simplices, const Listing<D>& boundary, const Listing<2>& segments,
+                   FlatSimplices flat) {
+  orient<D>(mesh, simplices, flat);
   mesh.simplex_region = IdVector<SimplexId, int>(
       simplices.markers.empty() ? std::vector<int>(simplices.vertices.size(), 1) : std::move(simplices.markers));
   mesh.simplex_vertices = IdVector<SimplexId, std::array<VertexId, D + 1>>(std::move(simplices.vertices));
@@ -177,7 +194,7 @@ void assemble_mesh(Mesh<D>& mesh, Listing<D + 1> simplices, const Listing<D>& bo
   if constexpr (D == 3) assemble_segments(mesh, segments);
 }
 
-template void assemble_mesh<2>(Mesh<2>&, Listing<3>, const Listing<2>&, const Listing<2>&);
-template void assemble_mesh<3>(Mesh<3>&, Listing<4>, const Listing<3>&, const Listing<2>&);
+template void assemble_mesh<2>(Mesh<2>&, Listing<3>, const Listing<2>&, const Listing<2>&, FlatSimplices);
+template void assemble_mesh<3>(Mesh<3>&, Listing<4>, const Listing<3>&, const Listing<2>&, FlatSimplices);
 
 }  // namespace voropack::io

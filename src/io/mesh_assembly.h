@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "voropack/io.h"
 #include "voropack/mesh.h"
 
 namespace voropack::io {
@@ -30,9 +31,11 @@ struct Listing {
 ///
 /// A listed face or edge that no simplex has is kept: `certify` names it.
 ///
+/// `flat` says whether flat simplices are left out or refused.
 /// Throws: InputError mesh.flat_simplex, mesh.nonmanifold, mesh.overlapping_simplices, io.duplicate_face,
 ///         io.duplicate_edge.
 template <int D>
-void assemble_mesh(Mesh<D>& mesh, Listing<D + 1> simplices, const Listing<D>& boundary, const Listing<2>& segments);
+void assemble_mesh(Mesh<D>& mesh, Listing<D + 1> simplices, const Listing<D>& boundary, const Listing<2>& segments,
+                   FlatSimplices flat);
 
 }  // namespace voropack::io

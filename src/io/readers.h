@@ -28,7 +28,8 @@ struct NodeMeshSources {
   std::optional<Source> edge;
   std::optional<Source> poly;  ///< Used in 2D without `edge`, if its points are those of `node`.
 };
-AnyMesh parse_node_mesh(const NodeMeshSources& sources, Observer& observer);
-AnyMesh parse_vtu(const Source& source, Observer& observer);
+AnyMesh parse_node_mesh(const NodeMeshSources& sources, Observer& observer,
+                        FlatSimplices flat = FlatSimplices::kRefuse);
+AnyMesh parse_vtu(const Source& source, Observer& observer, FlatSimplices flat = FlatSimplices::kRefuse);
 
 }  // namespace voropack::io

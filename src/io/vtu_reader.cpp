@@ -36,11 +36,11 @@ class VtuReader {
     n_cells_ = read_count("NumberOfCells");
   }
 
-  AnyMesh read() {
+  AnyMesh read(FlatSimplices flat) {
     const std::vector<double> coordinates = read_points();
     read_cells();
     const auto has = [&](std::int64_t type) { return std::find(types_.begin(), types_.end(), type) != types_.end(); };
-    if (has(kTetrahedron)) return read_mesh_of_dimension<3>(coordinates);
+    if (has(kTetrahedron)) return read_mesh_of_dimension<3>(coordinates, flat);
     if (!has(kTriangle))
       fail("io.unsupported", "the file has neither triangles nor tetrahedra", "give a mesh of simplices");
     for (std::uint64_t p = 0; p < n_points_; ++p)
@@ -48,7 +48,7 @@ class VtuReader {
         fail("io.not_planar",
              fmt::format("the mesh has triangles only, but point {} has z = {}", p, coordinates[3 * p + 2]),
              "set z to 0 for a mesh of the plane, or give a mesh of tetrahedra");
-    return read_mesh_of_dimension<2>(coordinates);
+    return read_mesh_of_dimension<2>(coordinates, flat);
   }
 
  private:
@@ -203,7 +203,7 @@ class VtuReader {
   }
 
   template <int D>
-  Mesh<D> read_mesh_of_dimension(const std::vector<double>& coordinates) const {
+  Mesh<D> read_mesh_of_dimension(const std::vector<double>& coordinates, FlatSimplices flat) const {
     Mesh<D> mesh;
     mesh.points.resize(n_points_);
     for (std::size_t p = 0; p < n_points_; ++p)
@@ -214,7 +214,7 @@ class VtuReader {
     Listing<2> segments;
     if constexpr (D == 3) segments = read_listing<2>("segment_edges", "segment_edge_marker", markers);
     assemble_mesh<D>(mesh, cells_of_size<D + 1>(regions),
-                     read_listing<D>("boundary_vertices", "boundary_marker", markers), segments);
+                     read_listing<D>("boundary_vertices", "boundary_marker", markers), segments, flat);
     return mesh;
   }
 
@@ -229,9 +229,9 @@ class VtuReader {
 
 }  // namespace
 
-AnyMesh parse_vtu(const Source& source, Observer& observer) {
+AnyMesh parse_vtu(const Source& source, Observer& observer, FlatSimplices flat) {
   observer.check_cancelled();
-  return VtuReader(source).read();
+  return VtuReader(source).read(flat);
 }
 
 }  // namespace voropack::io
