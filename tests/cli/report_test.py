@@ -40,7 +40,9 @@ class Report(CommandLineTest):
         self.assertEqual(set(report["quality"]),
                          {"radius_edge", "angle_deg", "dihedral_deg", "edge_length"})
         self.assertEqual(set(report["dual"]), {"volume_sum", "domain_volume", "min_volume", "min_face_area",
-                                               "negative_faces", "cell_aspect"})
+                                               "negative_faces", "zero_faces", "zeroed_area", "zeroed_area_bound",
+                                               "cell_aspect"})
+        self.assertLessEqual(report["dual"]["zeroed_area"], report["dual"]["zeroed_area_bound"])
         self.assertEqual(set(report["dual"]["cell_aspect"]), {"max", "p99", "mean"})
         for stage in ["read", "spacing", "packing", "delaunay", "dual", "quality", "certificate", "write", "total"]:
             self.assertGreaterEqual(report["timing_s"][stage], 0, stage)
