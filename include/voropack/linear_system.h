@@ -90,6 +90,7 @@ struct LinearReport {
   int n_iterations = 0;
   std::vector<double> residuals;  ///< Relative residual norms: 1 at the start, then after each iteration.
   double residual = 0;            ///< The true one at the end, relative; 0 if the start solves the system.
+  double contraction = 0;         ///< Of the residual per cycle in the end, where multigrid is the solver; else 0.
 };
 
 struct LinearSolution {

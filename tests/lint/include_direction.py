@@ -16,7 +16,7 @@ import tempfile
 # Public headers in the order of the data; each may include those before it.
 PUBLIC = ["index", "error", "vec", "observer", "mesh", "domain", "spacing", "packing", "delaunay", "dual",
           "boundary_areas", "cell_integrals", "io", "quality", "certificate", "pipeline", "linear_system", "diffusion",
-          "nonlinear", "transient", "fem", "norms"]
+          "nonlinear", "transient", "multigrid", "fem", "norms"]
 BASICS = ["index", "error", "vec", "observer"]
 
 
@@ -42,6 +42,8 @@ FOLDERS = {
     "pipeline": (up_to("pipeline"), ["base"]),
     # Control volumes of any program: no simplices, no geometry.
     "solve": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion", "nonlinear", "transient"], ["base"]),
+    # Algebra: matrices and interpolations, whatever they come from.
+    "multigrid": (BASICS + ["linear_system", "multigrid"], ["base", "solve/vectors.h"]),
     # The refusals and the handling of problems without conditions are those of the control volume method.
     "fem": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion", "fem"],
             ["base", "geom", "mesh", "solve/faults.h", "solve/floating_parts.h"]),
