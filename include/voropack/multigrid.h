@@ -66,6 +66,9 @@ struct MultigridReport {
   std::size_t n_floating = 0;  ///< Connected parts where the solution is free up to a constant, or held at one vertex.
 };
 
+class MultigridHierarchy;
+class SingularParts;
+
 /// A hierarchy of matrices with cycles over it. Immutable; `apply` may be called by several threads at once.
 ///
 /// Fixed vertices get no correction on any level. Where nothing but one fixed vertex holds a connected part, as
@@ -97,8 +100,10 @@ class Multigrid final : public Preconditioner {
   [[nodiscard]] const MultigridReport& report() const { return report_; }
 
  private:
-  class Hierarchy;
-  std::unique_ptr<const Hierarchy> hierarchy_;
+  void apply_cycle(std::span<const double> residual, bool is_full, std::span<double> correction) const;
+
+  std::unique_ptr<const SingularParts> singular_parts_;
+  std::unique_ptr<const MultigridHierarchy> hierarchy_;
   MultigridReport report_;
 };
 
