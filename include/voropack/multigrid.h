@@ -31,17 +31,18 @@ enum class MultigridCycle : std::uint8_t {
   kW,  ///< Twice.
 };
 
+/// Gauss-Seidel goes in blocks of consecutive vertices, which see each other's old values: the same result for any
+/// number of threads. It converges for every symmetric positive definite matrix, see docs/theory/multigrid.md.
 enum class MultigridSmoother : std::uint8_t {
-  /// Gauss-Seidel in blocks of consecutive vertices, and Jacobi between blocks: forward before the coarse correction,
-  /// backward after it. Converges for every symmetric positive definite matrix, see docs/theory/multigrid.md.
-  kGaussSeidel,
+  kSymmetricGaussSeidel,  ///< A step is a forward and a backward sweep.
+  kGaussSeidel,           ///< A step is a forward sweep before the coarse correction, a backward sweep after it.
   /// A Chebyshev polynomial in the matrix scaled by its diagonal, which damps the upper part of its spectrum.
   kChebyshev,
 };
 
 struct MultigridOptions {
   MultigridCycle cycle = MultigridCycle::kV;
-  MultigridSmoother smoother = MultigridSmoother::kGaussSeidel;
+  MultigridSmoother smoother = MultigridSmoother::kSymmetricGaussSeidel;
   int n_smoothing = 1;              ///< Steps before and after the coarse correction, >= 1: as many, for symmetry.
   int chebyshev_degree = 2;         ///< Products with the matrix in one step of kChebyshev. In [1, 10].
   double chebyshev_range = 4;       ///< It damps eigenvalues in [largest / range, largest]. Above 1.

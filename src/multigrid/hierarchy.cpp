@@ -33,9 +33,8 @@ struct Level {
 /// The vectors of one level during a cycle.
 template <class Real>
 struct LevelVectors {
-  explicit LevelVectors(std::size_t n, bool has_direction)
-      : load(n), values(n), scratch(n), direction(has_direction ? n : 0) {}
-  RawArray<Real> load, values, scratch, direction;
+  explicit LevelVectors(std::size_t n) : load(n), values(n), scratch(n), extra(n) {}
+  RawArray<Real> load, values, scratch, extra;
 };
 
 template <class Real>
@@ -53,6 +52,7 @@ class HierarchyOf final : public MultigridHierarchy {
                            std::span<const VertexId> finest_vertex, std::span<const std::uint32_t> floating_part);
   void solve_coarsest(LevelVectors<Real>& v) const;
   void smooth(const Level<Real>& level, bool is_zero, bool is_backward, LevelVectors<Real>& v) const;
+  void residual(const Level<Real>& level, bool was_zero, LevelVectors<Real>& v) const;
   void cycle(std::size_t k, bool is_zero, Vectors& vectors) const;
   void full_cycle(Vectors& vectors) const;
   std::unique_ptr<Vectors> take_vectors() const;
@@ -154,29 +154,36 @@ template <class Real>
 void HierarchyOf<Real>::solve_coarsest(LevelVectors<Real>& v) const {
   if (coarsest_) return coarsest_->solve(v.load, v.values);
   const LevelMatrix<Real>& matrix = levels_.back().matrix;
-  for (int sweep = 0; sweep < kCoarsestSweeps; ++sweep) {
-    if (sweep == 0) {
-      matrix.smooth_from_zero(v.load.data(), v.values.data());
-    } else {
-      matrix.smooth(v.load.data(), v.values.data(), v.scratch.data(), false);
-      std::swap(v.values, v.scratch);
-    }
-    matrix.smooth(v.load.data(), v.values.data(), v.scratch.data(), true);
-    std::swap(v.values, v.scratch);
-  }
+  matrix.symmetric_sweep_from_zero(v.load.data(), v.scratch.data(), v.extra.data(), v.values.data());
+  for (int sweep = 1; sweep < kCoarsestSweeps; ++sweep)
+    matrix.symmetric_sweep(v.load.data(), v.scratch.data(), v.extra.data(), v.values.data());
 }
 
 template <class Real>
 void HierarchyOf<Real>::smooth(const Level<Real>& level, bool is_zero, bool is_backward, LevelVectors<Real>& v) const {
-  if (level.chebyshev) {
-    level.chebyshev->smooth(level.matrix, v.load.data(), is_zero, v.values.data(), v.scratch.data(),
-                            v.direction.data());
-  } else if (is_zero) {
-    level.matrix.smooth_from_zero(v.load.data(), v.values.data());
-  } else {
-    level.matrix.smooth(v.load.data(), v.values.data(), v.scratch.data(), is_backward);
-    std::swap(v.values, v.scratch);
+  Real *load = v.load.data(), *values = v.values.data(), *scratch = v.scratch.data(), *extra = v.extra.data();
+  switch (options_.smoother) {
+    case MultigridSmoother::kChebyshev:
+      return level.chebyshev->smooth(level.matrix, load, is_zero, values, scratch, extra);
+    case MultigridSmoother::kSymmetricGaussSeidel:
+      if (is_zero) return level.matrix.symmetric_sweep_from_zero(load, scratch, extra, values);
+      return level.matrix.symmetric_sweep(load, scratch, extra, values);
+    case MultigridSmoother::kGaussSeidel:
+      if (is_zero) return level.matrix.sweep_from_zero(load, values);
+      level.matrix.sweep(load, values, is_backward, scratch);
+      return std::swap(v.values, v.scratch);
   }
+}
+
+/// The residual of the level in its scratch. What the first sweeps leave is known in part.
+template <class Real>
+void HierarchyOf<Real>::residual(const Level<Real>& level, bool was_zero, LevelVectors<Real>& v) const {
+  if (was_zero && options_.n_smoothing == 1 && options_.smoother == MultigridSmoother::kGaussSeidel)
+    level.matrix.residual_after_sweep(v.values.data(), v.scratch.data());
+  else if (was_zero && options_.n_smoothing == 1 && options_.smoother == MultigridSmoother::kSymmetricGaussSeidel)
+    level.matrix.residual_after_symmetric_sweep(v.extra.data(), v.scratch.data());
+  else
+    level.matrix.residual(v.load.data(), v.values.data(), v.scratch.data());
 }
 
 /// Improves the values of level k for its load; overwrites those of the coarser levels.
@@ -186,10 +193,7 @@ void HierarchyOf<Real>::cycle(std::size_t k, bool is_zero, Vectors& vectors) con
   if (k + 1 == levels_.size()) return solve_coarsest(fine);
   const Level<Real>& level = levels_[k];
   for (int step = 0; step < options_.n_smoothing; ++step) smooth(level, is_zero && step == 0, false, fine);
-  if (is_zero && options_.n_smoothing == 1 && !level.chebyshev)
-    level.matrix.residual_after_first_sweep(fine.values.data(), fine.scratch.data());
-  else
-    level.matrix.residual(fine.load.data(), fine.values.data(), fine.scratch.data());
+  residual(level, is_zero, fine);
   LevelVectors<Real>& coarse = vectors[k + 1];
   level.restriction->multiply(fine.scratch.data(), false, coarse.load.data());
   // The second visit of a direct solution would change nothing.
@@ -222,7 +226,7 @@ auto HierarchyOf<Real>::take_vectors() const -> std::unique_ptr<Vectors> {
     }
   }
   auto vectors = std::make_unique<Vectors>();
-  for (const Level<Real>& level : levels_) vectors->emplace_back(level.matrix.size(), level.chebyshev.has_value());
+  for (const Level<Real>& level : levels_) vectors->emplace_back(level.matrix.size());
   return vectors;
 }
 

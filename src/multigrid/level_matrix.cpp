@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -12,14 +13,17 @@ namespace voropack {
 
 namespace {
 
-/// fn(e, is_lower) for the entries of a row off the diagonal and between free vertices.
+enum class Part : std::uint8_t { kLower, kUpper, kOuter };
+
+/// fn(e, part) for the entries of a row off the diagonal and between free vertices.
 template <class Fn>
 void for_each_entry(const SparseMatrix& matrix, std::span<const std::uint8_t> is_fixed, std::size_t row, Fn&& fn) {
   if (is_fixed[row] != 0) return;
-  const std::size_t block = row - row % kSmoothingBlock;
+  const std::size_t begin = row - row % kSmoothingBlock, end = begin + kSmoothingBlock;
   for (std::uint64_t e = matrix.offsets[row]; e != matrix.offsets[row + 1]; ++e) {
     const std::uint32_t j = matrix.columns[e];
-    if (j != row && is_fixed[j] == 0 && matrix.values[e] != 0) fn(e, j >= block && j < row);
+    if (j == row || is_fixed[j] != 0 || matrix.values[e] == 0) continue;
+    fn(e, j < begin || j >= end ? Part::kOuter : j < row ? Part::kLower : Part::kUpper);
   }
 }
 
@@ -44,6 +48,7 @@ template <class Real>
 LevelMatrix<Real>::LevelMatrix(const SparseMatrix& matrix, std::span<const std::uint8_t> is_fixed, double scale)
     : lower_begin_(matrix.size() + 1),
       rest_begin_(matrix.size() + 1),
+      outer_begin_(matrix.size()),
       diagonal_(matrix.size()),
       inverse_diagonal_(matrix.size()),
       inverse_(matrix.size()),
@@ -80,10 +85,11 @@ LevelMatrix<Real>::LevelMatrix(const SparseMatrix& matrix, std::span<const std::
 template <class Real>
 void LevelMatrix<Real>::count_entries(const SparseMatrix& matrix, std::span<const std::uint8_t> is_fixed) {
   parallel_for(size(), [&](std::size_t row) {
-    std::uint32_t n_lower = 0, n_rest = 0;
-    for_each_entry(matrix, is_fixed, row, [&](std::uint64_t, bool is_lower) { ++(is_lower ? n_lower : n_rest); });
-    lower_begin_[row + 1] = n_lower;
-    rest_begin_[row + 1] = n_rest;
+    std::array<std::uint32_t, 3> count{};
+    for_each_entry(matrix, is_fixed, row, [&](std::uint64_t, Part part) { ++count[static_cast<std::size_t>(part)]; });
+    lower_begin_[row + 1] = count[0];
+    rest_begin_[row + 1] = count[1] + count[2];
+    outer_begin_[row] = count[1];
   });
 }
 
@@ -91,24 +97,27 @@ template <class Real>
 void LevelMatrix<Real>::fill_row(const SparseMatrix& matrix, std::span<const std::uint8_t> is_fixed, double scale,
                                  std::size_t row) {
   diagonal_[row] = inverse_diagonal_[row] = inverse_[row] = shift_[row] = 0;
+  outer_begin_[row] += rest_begin_[row];
   if (is_fixed[row] != 0) return;
-  const std::size_t begin = row - row % kSmoothingBlock, end = begin + kSmoothingBlock;
-  std::uint32_t to_lower = lower_begin_[row], to_rest = rest_begin_[row];
+  std::uint32_t to_lower = lower_begin_[row], to_upper = rest_begin_[row], to_outer = outer_begin_[row];
   double between_blocks = 0, diagonal = 0;
-  for_each_entry(matrix, is_fixed, row, [&](std::uint64_t e, bool is_lower) {
-    const std::uint32_t j = matrix.columns[e];
-    if (j < begin || j >= end) between_blocks += std::abs(matrix.values[e]);
-    std::uint32_t& to = is_lower ? to_lower : to_rest;
-    (is_lower ? lower_columns_ : rest_columns_)[to] = j;
-    (is_lower ? lower_values_ : rest_values_)[to] = static_cast<Real>(scale * matrix.values[e]);
-    ++to;
+  for_each_entry(matrix, is_fixed, row, [&](std::uint64_t e, Part part) {
+    const auto value = static_cast<Real>(scale * matrix.values[e]);
+    if (part == Part::kLower) {
+      lower_columns_[to_lower] = matrix.columns[e];
+      lower_values_[to_lower++] = value;
+      return;
+    }
+    std::uint32_t& to = part == Part::kUpper ? to_upper : to_outer;
+    rest_columns_[to] = matrix.columns[e];
+    rest_values_[to++] = value;
+    if (part == Part::kOuter) between_blocks += std::abs(matrix.values[e]);
   });
   for (std::uint64_t e = matrix.offsets[row]; e != matrix.offsets[row + 1]; ++e)
     if (matrix.columns[e] == row) diagonal = matrix.values[e];
   // Rounding of a row without absorption does not count as an excess.
-  const double shift = between_blocks > diagonal * (1 + 64 * std::numeric_limits<double>::epsilon())
-                           ? (between_blocks - diagonal) / 2
-                           : 0.0;
+  constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
+  const double shift = between_blocks > diagonal * (1 + kRounding) ? (between_blocks - diagonal) / 2 : 0.0;
   diagonal_[row] = static_cast<Real>(scale * diagonal);
   shift_[row] = static_cast<Real>(scale * shift);
   inverse_diagonal_[row] = static_cast<Real>(1 / (scale * diagonal));
@@ -116,52 +125,63 @@ void LevelMatrix<Real>::fill_row(const SparseMatrix& matrix, std::span<const std
 }
 
 template <class Real>
-Real LevelMatrix<Real>::lower_product(std::size_t row, const Real* x) const {
-  Real sum = 0;
-  for (std::uint32_t e = lower_begin_[row]; e != lower_begin_[row + 1]; ++e)
-    sum += lower_values_[e] * x[lower_columns_[e]];
-  return sum;
-}
-
-template <class Real>
-Real LevelMatrix<Real>::rest_product(std::size_t row, std::size_t begin, std::size_t end, const Real* inside,
-                                     const Real* outside) const {
-  Real sum = 0;
-  for (std::uint32_t e = rest_begin_[row]; e != rest_begin_[row + 1]; ++e) {
-    const std::uint32_t j = rest_columns_[e];
-    sum += rest_values_[e] * (j - begin < end - begin ? inside : outside)[j];
-  }
-  return sum;
-}
-
-template <class Real>
-void LevelMatrix<Real>::smooth_from_zero(const Real* b, Real* x) const {
+void LevelMatrix<Real>::sweep_from_zero(const Real* b, Real* x) const {
   for_each_smoothing_block(size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row != end; ++row) x[row] = (b[row] - lower_product(row, x)) * inverse_[row];
+    for (std::size_t row = begin; row != end; ++row) x[row] = (b[row] - lower(row, x)) * inverse_[row];
   });
 }
 
 template <class Real>
-void LevelMatrix<Real>::residual_after_first_sweep(const Real* x, Real* r) const {
-  parallel_for(size(), [&](std::size_t row) {
-    const Real kept = shift_.empty() ? Real(0) : shift_[row] * x[row];
-    r[row] = kept - rest_product(row, 0, 0, x, x);
-  });
+void LevelMatrix<Real>::residual_after_sweep(const Real* x, Real* r) const {
+  parallel_for(size(), [&](std::size_t row) { r[row] = shift(row) * x[row] - upper_and_outer(row, x); });
 }
 
 template <class Real>
-void LevelMatrix<Real>::smooth(const Real* b, const Real* x, Real* x_new, bool is_backward) const {
+void LevelMatrix<Real>::sweep(const Real* b, const Real* x, bool is_backward, Real* x_new) const {
   for_each_smoothing_block(size(), [&](std::size_t begin, std::size_t end) {
-    std::copy(x + begin, x + end, x_new + begin);
-    const auto relax = [&](std::size_t row) {
-      const Real kept = shift_.empty() ? Real(0) : shift_[row] * x[row];
-      x_new[row] =
-          (b[row] + kept - lower_product(row, x_new) - rest_product(row, begin, end, x_new, x)) * inverse_[row];
-    };
+    const auto right = [&](std::size_t row) { return b[row] + shift(row) * x[row]; };
     if (is_backward)
-      for (std::size_t row = end; row-- > begin;) relax(row);
+      for (std::size_t row = end; row-- > begin;)
+        x_new[row] = (right(row) - lower(row, x) - upper(row, x_new) - outer(row, x)) * inverse_[row];
     else
-      for (std::size_t row = begin; row != end; ++row) relax(row);
+      for (std::size_t row = begin; row != end; ++row)
+        x_new[row] = (right(row) - lower(row, x_new) - upper_and_outer(row, x)) * inverse_[row];
+  });
+}
+
+template <class Real>
+void LevelMatrix<Real>::symmetric_sweep_from_zero(const Real* b, Real* x1, Real* change, Real* x) const {
+  sweep_from_zero(b, x1);
+  for_each_smoothing_block(size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = end; row-- > begin;) {
+      const Real right = (diagonal_[row] + 2 * shift(row)) * x1[row];
+      x[row] = (right - outer(row, x1) - upper(row, x)) * inverse_[row];
+      change[row] = x1[row] - x[row];
+    }
+  });
+}
+
+template <class Real>
+void LevelMatrix<Real>::residual_after_symmetric_sweep(const Real* change, Real* r) const {
+  parallel_for(size(),
+               [&](std::size_t row) { r[row] = lower(row, change) + outer(row, change) - shift(row) * change[row]; });
+}
+
+/// From the forward sweep, b - L x1 = (D + E) x1 + (U + O) x - E x. So the backward one,
+/// (D + E + U) x2 = b + E x1 - (L + O) x1, does without L.
+template <class Real>
+void LevelMatrix<Real>::symmetric_sweep(const Real* b, Real* x1, Real* sums, Real* x) const {
+  for_each_smoothing_block(size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row != end; ++row) {
+      sums[row] = upper_and_outer(row, x) - shift(row) * x[row];
+      x1[row] = (b[row] - lower(row, x1) - sums[row]) * inverse_[row];
+    }
+  });
+  for_each_smoothing_block(size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = end; row-- > begin;) {
+      const Real right = (diagonal_[row] + 2 * shift(row)) * x1[row] + sums[row];
+      x[row] = (right - outer(row, x1) - upper(row, x)) * inverse_[row];
+    }
   });
 }
 
@@ -169,7 +189,7 @@ template <class Real>
 void LevelMatrix<Real>::residual(const Real* b, const Real* x, Real* r) const {
   parallel_for(size(), [&](std::size_t row) {
     // Fixed rows have no entries: their residual is 0 because b is.
-    r[row] = b[row] - diagonal_[row] * x[row] - lower_product(row, x) - rest_product(row, 0, 0, x, x);
+    r[row] = b[row] - diagonal_[row] * x[row] - lower(row, x) - upper_and_outer(row, x);
   });
 }
 

@@ -92,6 +92,14 @@ int n_walls(const Vec<D>& x) {
   return n;
 }
 
+/// Whether a point is on a wall or far enough from it that the triangles there keep their protecting balls empty.
+template <int D>
+bool respects_walls(const Vec<D>& x, double distance) {
+  for (int k = 0; k < D; ++k)
+    if (const double gap = std::min(x[k], 1 - x[k]); gap > 0 && gap < 0.7 * distance) return false;
+  return true;
+}
+
 /// The vertices in descending number of walls that keep the distance from all before.
 template <int D>
 std::vector<std::uint32_t> greedy_subset(const std::vector<Vec<D>>& points, double distance) {
@@ -99,7 +107,7 @@ std::vector<std::uint32_t> greedy_subset(const std::vector<Vec<D>>& points, doub
   std::vector<std::uint32_t> chosen;
   for (int walls = D; walls >= 0; --walls)
     for (std::uint32_t p = 0; p < points.size(); ++p) {
-      if (n_walls(points[p]) != walls) continue;
+      if (n_walls(points[p]) != walls || !respects_walls(points[p], distance)) continue;
       Vec<D> low = points[p], high = points[p];
       for (int k = 0; k < D; ++k) low[k] -= distance, high[k] += distance;
       bool is_free = true;
