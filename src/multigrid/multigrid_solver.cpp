@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "solve/vectors.h"
@@ -21,6 +22,21 @@ void check_options(const MultigridSolveOptions& options) {
   if (!(options.tolerance > 0 && options.tolerance < 1))
     fail(fmt::format("the tolerance of multigrid is {}", options.tolerance), "choose it between 0 and 1");
   if (options.max_cycles < 1) fail(fmt::format("multigrid may make {} cycles", options.max_cycles), "allow at least 1");
+}
+
+/// What rounding leaves of the residual load - A x, in norm: a few units in the last place of the terms of each row.
+double rounding_of_residual(const LinearSystem& system, const std::vector<double>& values) {
+  constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
+  const SparseMatrix& matrix = system.matrix;
+  std::vector<double> magnitude(values.size());
+  parallel_for(values.size(), [&](std::size_t i) {
+    if (system.is_fixed[VertexId(i)] != 0) return;
+    double sum = std::abs(system.load[VertexId(i)]);
+    for (std::uint64_t e = matrix.offsets[i]; e != matrix.offsets[i + 1]; ++e)
+      sum += std::abs(matrix.values[e] * values[matrix.columns[e]]);
+    magnitude[i] = kRounding * sum;
+  });
+  return norm(magnitude);
 }
 
 /// The geometric mean of the factors of the last half of the cycles: the first ones remove what is easy.
@@ -47,10 +63,9 @@ LinearSolution solve_by_multigrid(const LinearSystem& system, const Multigrid& m
   const double unit = norm(residual);
   report.residuals = {unit > 0 ? 1.0 : 0.0};
   if (unit == 0) return solution;
-  // Rounding ends the descent: a cycle that gains less than a tenth does so near the limit of double precision only.
-  constexpr double kStagnation = 0.9, kNearRounding = 1e-10;
+  constexpr double kStagnation = 0.9;
   for (double now = 1, before = 2; now > options.tolerance;) {
-    if (now < kNearRounding && now > kStagnation * before) break;
+    if (now > kStagnation * before && now * unit <= rounding_of_residual(system, values)) break;
     observer.check_cancelled();
     if (report.n_iterations == options.max_cycles || !(now < 1e10))
       throw NumericalError(Fault{.id = "multigrid.not_converged",
@@ -69,7 +84,9 @@ LinearSolution solve_by_multigrid(const LinearSystem& system, const Multigrid& m
     ++report.n_iterations;
   }
   report.residual = report.residuals.back();
-  report.contraction = final_contraction(report.residuals);
+  std::vector<double> falling = report.residuals;
+  while (falling.size() > 2 && falling.back() > kStagnation * falling[falling.size() - 2]) falling.pop_back();
+  report.contraction = final_contraction(falling);
   return solution;
 }
 

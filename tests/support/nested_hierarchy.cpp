@@ -197,8 +197,9 @@ template <int D>
 NestedHierarchy grid_hierarchy(std::size_t n, const BoxProblem& problem) {
   NestedHierarchy hierarchy;
   hierarchy.system = system_of(grid_mesh<D>(n), problem);
-  for (std::size_t m = n / 2; m >= 2 && n % m == 0; m /= 2) {
-    const std::size_t fine_side = 2 * m + 1, side = m + 1, stride = n / m;
+  for (std::size_t stride = 2; n % stride == 0 && n / stride >= 2; stride *= 2) {
+    const std::size_t m = n / stride;
+    const std::size_t fine_side = 2 * m + 1, side = m + 1;
     NestedLevel level;
     const std::size_t n_fine = D == 2 ? fine_side * fine_side : fine_side * fine_side * fine_side;
     for (std::size_t p = 0; p < n_fine; ++p) {
