@@ -84,6 +84,7 @@ class Multigrid final : public Preconditioner {
   ///
   /// Throws: OptionError    multigrid.bad_option  if an option is out of its range.
   ///         InputError     multigrid.bad_level   if arrays do not fit together; says which level.
+  ///         InputError     multigrid.unsymmetric if the system says that its matrix is not symmetric.
   ///         NumericalError multigrid.singular    if a matrix has a diagonal entry that is not positive at a free
   ///                                              vertex, or the coarsest one is not positive definite.
   ///         LimitError     multigrid.too_large   if a level has 2^32 entries or more.

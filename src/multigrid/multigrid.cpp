@@ -43,6 +43,10 @@ void check_levels(const LinearSystem& system, std::span<const MultigridLevel> le
   if (system.is_fixed.size() != n_finest || system.absorption.size() != n_finest ||
       !fits(system.matrix, n_finest, n_finest))
     fail(0, "the arrays of the system do not fit together");
+  if (!system.is_symmetric)
+    throw InputError(Fault{.id = "multigrid.unsymmetric",
+                           .message = "multigrid smooths and corrects symmetric matrices only",
+                           .fix = "use incomplete factors as preconditioner"});
   std::size_t n_finer = n_finest;
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const MultigridLevel& level = levels[k];

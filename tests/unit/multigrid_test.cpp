@@ -363,6 +363,10 @@ TEST(Multigrid, RefusesWhatItCannotUse) {
   EXPECT_EQ(with_levels([](auto& levels) { levels[0].matrix = levels[1].matrix; }), "input multigrid.bad_level");
   EXPECT_EQ(with_levels([&](auto& levels) { levels[0].finest_vertex = outside; }), "input multigrid.bad_level");
 
+  LinearSystem unsymmetric = hierarchy.system;
+  unsymmetric.is_symmetric = false;
+  EXPECT_EQ(id_of([&] { make_multigrid(unsymmetric, hierarchy.views(true)); }), "input multigrid.unsymmetric");
+
   LinearSystem negative = hierarchy.system;
   for (double& value : negative.matrix.values) value = -value;
   EXPECT_EQ(id_of([&] { make_multigrid(negative, hierarchy.views(false)); }), "numerical multigrid.singular");
