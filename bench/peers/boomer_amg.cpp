@@ -101,7 +101,7 @@ HYPRE_IJVector make_vector(const Rows& rows, const std::vector<double>& values) 
 HYPRE_Solver make_amg(double threshold, int n_aggressive) {
   HYPRE_Solver amg = nullptr;
   HYPRE_BoomerAMGCreate(&amg);
-  HYPRE_BoomerAMGSetPrintLevel(amg, 0);
+  HYPRE_BoomerAMGSetPrintLevel(amg, 1);    // Levels and complexities.
   HYPRE_BoomerAMGSetCoarsenType(amg, 10);  // HMIS
   HYPRE_BoomerAMGSetInterpType(amg, 6);    // Extended+i
   HYPRE_BoomerAMGSetPMaxElmts(amg, 4);
@@ -168,8 +168,9 @@ int run(int argc, char** argv) {
     HYPRE_IJVectorDestroy(x);
   }
   print_since(before_setup, "setup and all loads", rank);
-  // What the levels cost, in hypre's own words: printed by a setup with output.
-  if (rank == 0) std::fflush(stdout);
+  HYPRE_ParCSRPCGDestroy(pcg);
+  HYPRE_BoomerAMGDestroy(amg);
+  HYPRE_IJMatrixDestroy(matrix);
   return 0;
 }
 
