@@ -79,8 +79,8 @@ class SingularParts;
 /// Results have the same bytes for any number of threads.
 class Multigrid final : public Preconditioner {
  public:
-  /// `levels` go from fine to coarse; none of it is kept. Cost: O(n), some ten products of the matrix and a vector
-  /// where coarse matrices are given, some forty for Galerkin operators.
+  /// `levels` go from fine to coarse; none of it is kept. Cost: O(n), some twenty products of the matrix and a vector
+  /// where coarse matrices are given, some hundred for Galerkin operators.
   ///
   /// Throws: OptionError    multigrid.bad_option  if an option is out of its range.
   ///         InputError     multigrid.bad_level   if arrays do not fit together; says which level.
