@@ -1,4 +1,4 @@
-#include "base/expression.h"
+#include "voropack/expression.h"
 
 #include <fmt/format.h>
 
@@ -296,17 +296,78 @@ double Expression::apply(Op op, double a, double b) {
   }
 }
 
-double Expression::operator()(std::span<const double> values) const {
-  std::array<double, kSmallStack> small;
-  std::vector<double> large(stack_size_ > kSmallStack ? stack_size_ : 0);
-  double* top = large.empty() ? small.data() : large.data();  // One past the last value.
+/// The derivative of `apply(op, a, b)` where a and b have the derivatives da and db. A factor that is 0 wins over one
+/// that is infinite: a constant has no derivative, whatever it is put into.
+double Expression::apply_derivative(Op op, double a, double b, double da, double db) {
+  const auto times = [](double slope, double tangent) { return tangent == 0 ? 0 : slope * tangent; };
+  switch (op) {
+    case Op::kAdd:
+      return da + db;
+    case Op::kSubtract:
+      return da - db;
+    case Op::kMultiply:
+      return times(b, da) + times(a, db);
+    case Op::kDivide:
+      return times(1 / b, da) - times(a / (b * b), db);
+    case Op::kPower:
+      return times(b == 0 ? 0 : b * std::pow(a, b - 1), da) + times(std::pow(a, b) * std::log(a), db);
+    case Op::kMin:
+      return std::isnan(b) || a <= b ? da : db;
+    case Op::kMax:
+      return std::isnan(b) || a >= b ? da : db;
+    case Op::kHypot:
+      return times(a / std::hypot(a, b), da) + times(b / std::hypot(a, b), db);
+    case Op::kNegate:
+      return -db;
+    case Op::kSqrt:
+      return times(0.5 / std::sqrt(b), db);
+    case Op::kAbs:
+      return b == 0 ? 0 : std::copysign(1.0, b) * db;
+    case Op::kExp:
+      return times(std::exp(b), db);
+    case Op::kLog:
+      return times(1 / b, db);
+    case Op::kSin:
+      return times(std::cos(b), db);
+    case Op::kCos:
+      return times(-std::sin(b), db);
+    case Op::kTan:
+      return times(1 + std::tan(b) * std::tan(b), db);
+    default:  // Comparisons.
+      return 0;
+  }
+}
+
+/// A value with its derivative, as an entry of the stack; a plain double is one without.
+struct ExpressionTangent {
+  double value = 0, slope = 0;
+
+  using Op = Expression::Op;
+  static ExpressionTangent apply(Op op, const ExpressionTangent& a, const ExpressionTangent& b) {
+    return {Expression::apply(op, a.value, b.value),
+            Expression::apply_derivative(op, a.value, b.value, a.slope, b.slope)};
+  }
+  static double apply(Op op, double a, double b) { return Expression::apply(op, a, b); }
+  static double value_of(double a) { return a; }
+  static double value_of(const ExpressionTangent& a) { return a.value; }
+  static void set(double& target, double value, bool) { target = value; }
+  static void set(ExpressionTangent& target, double value, bool is_variable) {
+    target = {value, is_variable ? 1.0 : 0.0};
+  }
+};
+
+template <class T>
+T Expression::run(std::span<const double> values, std::size_t variable) const {
+  std::array<T, kSmallStack> small;
+  std::vector<T> large(stack_size_ > kSmallStack ? stack_size_ : 0);
+  T* top = large.empty() ? small.data() : large.data();  // One past the last value.
   for (const Step& step : program_) {
     switch (step.op) {
       case Op::kNumber:
-        *top++ = step.number;
+        ExpressionTangent::set(*top++, step.number, false);
         break;
       case Op::kVariable:
-        *top++ = values[step.variable];
+        ExpressionTangent::set(*top++, values[step.variable], step.variable == variable);
         break;
       case Op::kNegate:
       case Op::kSqrt:
@@ -316,18 +377,24 @@ double Expression::operator()(std::span<const double> values) const {
       case Op::kSin:
       case Op::kCos:
       case Op::kTan:
-        top[-1] = apply(step.op, 0, top[-1]);
+        top[-1] = ExpressionTangent::apply(step.op, T{}, top[-1]);
         break;
       case Op::kIf:
         top -= 2;
-        top[-1] = top[-1] != 0 ? top[0] : top[1];
+        top[-1] = ExpressionTangent::value_of(top[-1]) != 0 ? top[0] : top[1];
         break;
       default:
         --top;
-        top[-1] = apply(step.op, top[-1], top[0]);
+        top[-1] = ExpressionTangent::apply(step.op, top[-1], top[0]);
     }
   }
   return top[-1];
+}
+
+double Expression::operator()(std::span<const double> values) const { return run<double>(values, 0); }
+
+double Expression::derivative(std::span<const double> values, std::size_t variable) const {
+  return run<ExpressionTangent>(values, variable).slope;
 }
 
 }  // namespace voropack

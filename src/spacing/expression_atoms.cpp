@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "base/expression.h"
 #include "base/parallel.h"
 #include "spacing/wishes.h"
+#include "voropack/expression.h"
 
 namespace voropack {
 

@@ -14,10 +14,10 @@ import sys
 import tempfile
 
 # Public headers in the order of the data; each may include those before it.
-PUBLIC = ["index", "error", "vec", "observer", "mesh", "domain", "spacing", "packing", "delaunay", "dual",
-          "boundary_areas", "cell_integrals", "io", "quality", "certificate", "pipeline", "linear_system", "diffusion",
-          "nonlinear", "transient", "multigrid", "fem", "norms"]
-BASICS = ["index", "error", "vec", "observer"]
+PUBLIC = ["index", "error", "expression", "vec", "observer", "mesh", "domain", "spacing", "packing", "delaunay",
+          "dual", "boundary_areas", "cell_integrals", "io", "quality", "certificate", "pipeline", "linear_system",
+          "diffusion", "nonlinear", "transient", "multigrid", "fem", "norms"]
+BASICS = ["index", "error", "expression", "vec", "observer"]
 
 
 def up_to(name):

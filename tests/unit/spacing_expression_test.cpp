@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/expression.h"
+#include "voropack/expression.h"
 
 namespace voropack {
 namespace {
@@ -55,6 +55,56 @@ TEST(Expression, KnowsItsFunctionsAndConstants) {
   EXPECT_DOUBLE_EQ(value("max(x)", 2), 2);
   EXPECT_DOUBLE_EQ(value("if(x < y, 10, 20)", 1, 2), 10);
   EXPECT_DOUBLE_EQ(value("if(x == y, 10, 20)", 1, 2), 20);
+}
+
+TEST(Expression, DerivativesAgreeWithDifferenceQuotients) {
+  for (const std::string text : {"3",
+                                 "x",
+                                 "y",
+                                 "x+y",
+                                 "x-2*y",
+                                 "x*y",
+                                 "x/y",
+                                 "x^3",
+                                 "x^y",
+                                 "2^x",
+                                 "pow(x, -2)",
+                                 "-x",
+                                 "sqrt(x)",
+                                 "abs(y-x)",
+                                 "exp(x*y)",
+                                 "log(x)",
+                                 "sin(x)*cos(y)",
+                                 "tan(x)",
+                                 "min(x, y, 9)",
+                                 "max(x, y)",
+                                 "hypot(x, y)",
+                                 "if(x < y, x^2, y)",
+                                 "(x < y)*x",
+                                 "if(x > y, x^2, sin(3*y))",
+                                 "((x+1)*(y+(2*(x+(3*(y+(4*x^2)))))))"}) {
+    const Expression formula(text, kNames);
+    for (std::size_t k = 0; k < 2; ++k) {
+      std::vector<double> at = {0.7, 1.3}, after = at, before = at;
+      const double h = 1e-5;
+      after[k] += h;
+      before[k] -= h;
+      const double quotient = (formula(after) - formula(before)) / (2 * h);
+      EXPECT_NEAR(formula.derivative(at, k), quotient, 1e-8 * (1 + std::abs(quotient))) << text << ", variable " << k;
+    }
+  }
+}
+
+TEST(Expression, ConstantsHaveNoDerivativeWhateverTheyArePutInto) {
+  const auto derivative = [](const std::string& text, double x) {
+    return Expression(text, kNames).derivative(std::vector<double>{x, 0.0}, 0);
+  };
+  EXPECT_EQ(derivative("sqrt(0) + x", 2), 1);
+  EXPECT_EQ(derivative("x^2", 0), 0);
+  EXPECT_EQ(derivative("x^2", -3), -6);
+  EXPECT_EQ(derivative("x^0", 0), 0);
+  EXPECT_EQ(derivative("hypot(y, 0) + 2*x", 1), 2);
+  EXPECT_EQ(derivative("abs(x)", 0), 0);
 }
 
 TEST(Expression, DeepFormulasNeedNoMoreThanTheirStack) {

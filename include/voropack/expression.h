@@ -49,8 +49,13 @@ class Expression {
   /// The value for the given values of the variables, in the order in which they were named. May be infinite or NaN.
   [[nodiscard]] double operator()(std::span<const double> values) const;
 
+  /// The derivative with respect to the variable of that number, by forward differentiation: exact up to rounding.
+  /// Comparisons count as constant; at a kink it is the derivative of the branch that is taken, and 0 for abs.
+  [[nodiscard]] double derivative(std::span<const double> values, std::size_t variable) const;
+
  private:
   friend class ExpressionParser;
+  friend struct ExpressionTangent;
   enum class Op : std::uint8_t {
     kNumber,
     kVariable,
@@ -85,6 +90,9 @@ class Expression {
     double number = 0;
   };
   static double apply(Op op, double a, double b);
+  static double apply_derivative(Op op, double a, double b, double da, double db);
+  template <class T>
+  T run(std::span<const double> values, std::size_t variable) const;
 
   std::vector<Step> program_;
   std::size_t stack_size_ = 0;  // What `program_` needs.
