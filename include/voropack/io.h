@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "voropack/domain.h"
 #include "voropack/dual.h"
@@ -40,16 +42,35 @@ enum class FlatSimplices : std::uint8_t { kRefuse, kLeaveOut };
 AnyMesh read_mesh(const std::filesystem::path& path, Observer& observer = silent_observer(),
                   FlatSimplices flat = FlatSimplices::kRefuse);
 
-/// Writes a mesh by extension: .node (with .ele and .face, .edge) or .vtu. Each file is written beside its place and
-/// renamed, so that an interrupted or failed run leaves nothing half-written. Missing parent folders are made. Throws:
-/// InputError io.cannot_write (disk full, no permission), OptionError io.unknown_format.
+/// The values of one array of point data in a .vtu file of any program, in the order of its points; of vectors, one
+/// tuple after the other. The grid's cells are not looked at.
+///
+/// Throws as read_mesh, and InputError io.no_such_array, which lists the arrays that are there.
+std::vector<double> read_point_array(const std::filesystem::path& path, const std::string& name,
+                                     Observer& observer = silent_observer());
+
+/// A number for each vertex, simplex or cell, to be written beside what a file holds anyway.
+struct NamedArray {
+  std::string name;  ///< Printable, without <>&"', and not the name of an array that is there anyway.
+  std::span<const double> values;
+};
+struct MeshArrays {
+  std::vector<NamedArray> vertex;   ///< Each with n_vertices values.
+  std::vector<NamedArray> simplex;  ///< Each with n_simplices values.
+};
+
+/// Writes a mesh by extension: .node (with .ele and .face, .edge) or .vtu, which alone can hold `arrays`. Each file is
+/// written beside its place and renamed, so that an interrupted or failed run leaves nothing half-written. Missing
+/// parent folders are made. Throws: InputError io.cannot_write (disk full, no permission), OptionError
+/// io.unknown_format, io.bad_array (length, name, or format without arrays).
 template <int D>
-void write_mesh(const Mesh<D>& mesh, const std::filesystem::path& path);
+void write_mesh(const Mesh<D>& mesh, const std::filesystem::path& path, const MeshArrays& arrays = {});
 
 /// Writes control volumes as .vtu polyhedra (VTK type 42) or polygons (type 7) with cell arrays `site`, `volume`,
-/// `region`.
+/// `region`, and further ones of n_cells values each. Throws as write_mesh.
 template <int D>
-void write_cells(const CellShapes<D>& shapes, const ControlVolumes<D>& volumes, const std::filesystem::path& path);
+void write_cells(const CellShapes<D>& shapes, const ControlVolumes<D>& volumes, const std::filesystem::path& path,
+                 std::span<const NamedArray> arrays = {});
 
 /// Writes a 2D mesh with its Voronoi cells as SVG.
 void write_svg(const Mesh<2>& mesh, const CellShapes<2>& shapes, const ControlVolumes<2>& volumes,

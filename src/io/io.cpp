@@ -69,11 +69,25 @@ AnyMesh read_mesh(const std::filesystem::path& path, Observer& observer, FlatSim
            "give the mesh as .node with .ele beside it, or as .vtu");
 }
 
+std::vector<double> read_point_array(const std::filesystem::path& path, const std::string& name, Observer& observer) {
+  const FileContent content = io::read_file(path);
+  if (io::lower_extension(path) != ".vtu")
+    io::fail(content.file, "io.unknown_format", "only .vtu files have arrays with names", "give a .vtu file");
+  return io::parse_vtu_point_array(content.source(), name, observer);
+}
+
 template <int D>
-void write_mesh(const Mesh<D>& mesh, const std::filesystem::path& path) {
+void write_mesh(const Mesh<D>& mesh, const std::filesystem::path& path, const MeshArrays& arrays) {
   const std::string extension = io::lower_extension(path);
-  if (extension == ".node") return io::write_node_mesh(mesh, path);
-  if (extension == ".vtu") return io::write_vtu_mesh(mesh, path);
+  if (extension == ".vtu") return io::write_vtu_mesh(mesh, path, arrays);
+  if (extension == ".node") {
+    if (!arrays.vertex.empty() || !arrays.simplex.empty())
+      throw OptionError(Fault{.id = "io.bad_array",
+                              .message = "files .node and .ele have no room for further arrays",
+                              .fix = "end the name with .vtu",
+                              .file = path.string()});
+    return io::write_node_mesh(mesh, path);
+  }
   throw OptionError(Fault{.id = "io.unknown_format",
                           .message = fmt::format("no mesh format has the extension {}", io::quote(extension)),
                           .fix = "end the name with .node or .vtu",
@@ -87,7 +101,7 @@ void write_text(const std::string& text, const std::filesystem::path& path) {
   file.rename();
 }
 
-template void write_mesh<2>(const Mesh<2>&, const std::filesystem::path&);
-template void write_mesh<3>(const Mesh<3>&, const std::filesystem::path&);
+template void write_mesh<2>(const Mesh<2>&, const std::filesystem::path&, const MeshArrays&);
+template void write_mesh<3>(const Mesh<3>&, const std::filesystem::path&, const MeshArrays&);
 
 }  // namespace voropack

@@ -31,5 +31,6 @@ struct NodeMeshSources {
 AnyMesh parse_node_mesh(const NodeMeshSources& sources, Observer& observer,
                         FlatSimplices flat = FlatSimplices::kRefuse);
 AnyMesh parse_vtu(const Source& source, Observer& observer, FlatSimplices flat = FlatSimplices::kRefuse);
+std::vector<double> parse_vtu_point_array(const Source& source, const std::string& name, Observer& observer);
 
 }  // namespace voropack::io

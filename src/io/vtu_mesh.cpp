@@ -1,4 +1,6 @@
 // Meshes and control volumes as .vtu.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -86,6 +88,29 @@ VtuArray make_offsets(std::string name, const std::vector<std::uint64_t>& ends) 
                           [&ends](std::uint64_t i) { return ends[i]; });
 }
 
+bool is_fit_name(std::string_view name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return c >= ' ' && c != 0x7f && std::string_view("<>&\"'").find(static_cast<char>(c)) == std::string_view::npos;
+  });
+}
+
+/// Appends further arrays of `n` values each to those that the file holds anyway.
+void add_arrays(std::vector<VtuArray>& section, std::span<const NamedArray> arrays, std::uint64_t n) {
+  const auto fail = [](const NamedArray& array, const std::string& message, const std::string& fix) {
+    throw OptionError(
+        Fault{.id = "io.bad_array", .message = fmt::format("the array '{}' {}", array.name, message), .fix = fix});
+  };
+  for (const NamedArray& array : arrays) {
+    if (array.values.size() != n)
+      fail(array, fmt::format("has {} values for {} elements", array.values.size(), n), "give each element a value");
+    if (!is_fit_name(array.name)) fail(array, "has a name that XML cannot hold", "use letters and digits");
+    if (std::any_of(section.begin(), section.end(), [&](const VtuArray& other) { return other.name == array.name; }))
+      fail(array, "is there already", "give it another name");
+    section.push_back(
+        make_array<double>(array.name, n, 1, [values = array.values](std::uint64_t i) { return values[i]; }));
+  }
+}
+
 VtuArray make_types(std::uint64_t n, VtkCellType type) {
   return make_array<std::uint8_t>("types", n, 1, [type](std::uint64_t) { return type; });
 }
@@ -93,7 +118,7 @@ VtuArray make_types(std::uint64_t n, VtkCellType type) {
 }  // namespace
 
 template <int D>
-void write_vtu_mesh(const Mesh<D>& mesh, const std::filesystem::path& path) {
+void write_vtu_mesh(const Mesh<D>& mesh, const std::filesystem::path& path, const MeshArrays& arrays) {
   constexpr std::uint64_t kCorners = D + 1;
   const std::uint64_t n_vertices = mesh.points.size(), n_simplices = mesh.simplex_vertices.size();
   VtuGrid grid;
@@ -104,7 +129,9 @@ void write_vtu_mesh(const Mesh<D>& mesh, const std::filesystem::path& path) {
   if (!mesh.vertex_marker.empty()) grid.point_data.push_back(make_copy<std::int32_t>("marker", mesh.vertex_marker));
   if (!mesh.vertex_carrier_dimension.empty())
     grid.point_data.push_back(make_copy<std::uint8_t>("carrier_dimension", mesh.vertex_carrier_dimension));
+  add_arrays(grid.point_data, arrays.vertex, n_vertices);
   grid.cell_data.push_back(make_copy<std::int32_t>("region", mesh.simplex_region));
+  add_arrays(grid.cell_data, arrays.simplex, n_simplices);
   grid.cells.push_back(make_vertex_sets("connectivity", mesh.simplex_vertices, n_vertices));
   grid.cells.back().n_components = 1;
   grid.cells.push_back(make_index_array("offsets", n_simplices, 1, n_simplices * kCorners,
@@ -122,15 +149,16 @@ void write_vtu_mesh(const Mesh<D>& mesh, const std::filesystem::path& path) {
   write_vtu(grid, path);
 }
 
-template void write_vtu_mesh<2>(const Mesh<2>&, const std::filesystem::path&);
-template void write_vtu_mesh<3>(const Mesh<3>&, const std::filesystem::path&);
+template void write_vtu_mesh<2>(const Mesh<2>&, const std::filesystem::path&, const MeshArrays&);
+template void write_vtu_mesh<3>(const Mesh<3>&, const std::filesystem::path&, const MeshArrays&);
 
 }  // namespace voropack::io
 
 namespace voropack {
 
 template <int D>
-void write_cells(const CellShapes<D>& shapes, const ControlVolumes<D>& volumes, const std::filesystem::path& path) {
+void write_cells(const CellShapes<D>& shapes, const ControlVolumes<D>& volumes, const std::filesystem::path& path,
+                 std::span<const NamedArray> arrays) {
   using namespace io;
   const std::uint64_t n_points = shapes.points.size(), n_cells = shapes.cell_faces.size();
   // The corner points of a cell: of a polyhedron ascending and each once, of a polygon in order.
@@ -185,10 +213,13 @@ void write_cells(const CellShapes<D>& shapes, const ControlVolumes<D>& volumes, 
   }));
   grid.cell_data.push_back(make_copy<double>("volume", volumes.cell_volume));
   grid.cell_data.push_back(make_copy<std::int32_t>("region", volumes.cell_region));
+  add_arrays(grid.cell_data, arrays, n_cells);
   write_vtu(grid, path);
 }
 
-template void write_cells<2>(const CellShapes<2>&, const ControlVolumes<2>&, const std::filesystem::path&);
-template void write_cells<3>(const CellShapes<3>&, const ControlVolumes<3>&, const std::filesystem::path&);
+template void write_cells<2>(const CellShapes<2>&, const ControlVolumes<2>&, const std::filesystem::path&,
+                             std::span<const NamedArray>);
+template void write_cells<3>(const CellShapes<3>&, const ControlVolumes<3>&, const std::filesystem::path&,
+                             std::span<const NamedArray>);
 
 }  // namespace voropack

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/names.h"
 #include "base/number_text.h"
 #include "io/mesh_assembly.h"
 #include "io/readers.h"
@@ -18,6 +19,7 @@ namespace {
 enum VtkCellType : std::int64_t { kVertex = 1, kLine = 3, kTriangle = 5, kTetrahedron = 10 };
 
 constexpr std::uint64_t kMaxCount = std::uint64_t{1} << 48U;
+constexpr std::uint64_t kMaxComponents = 1000;
 
 class VtuReader {
  public:
@@ -49,6 +51,29 @@ class VtuReader {
              fmt::format("the mesh has triangles only, but point {} has z = {}", p, coordinates[3 * p + 2]),
              "set z to 0 for a mesh of the plane, or give a mesh of tetrahedra");
     return read_mesh_of_dimension<2>(coordinates, flat);
+  }
+
+  std::vector<double> read_point_array(const std::string& name) const {
+    const XmlElement* array = find_array(*piece_, "PointData", name);
+    if (array == nullptr) {
+      std::vector<std::string> names, quoted;
+      if (const XmlElement* section = document_.child(*piece_, "PointData"))
+        for (const std::uint32_t c : section->children) {
+          names.emplace_back(XmlDocument::attribute(document_.elements[c], "Name").value_or(""));
+          quoted.push_back(quote(names.back()));
+        }
+      const std::string near = nearest_name(name, names);
+      fail("io.no_such_array",
+           fmt::format("the points have no array {}; they have {}", quote(name),
+                       names.empty() ? "none at all" : join_names(quoted)),
+           near.empty() ? "name one that is there" : fmt::format("did you mean {}?", quote(near)));
+    }
+    std::uint64_t n_components = 1;
+    const auto text = XmlDocument::attribute(*array, "NumberOfComponents");
+    if (text && (!parse_integer(*text, n_components) || n_components == 0 || n_components > kMaxComponents))
+      data_.fail(*array, "io.bad_count", "its NumberOfComponents is not a number of components",
+                 "correct the attribute");
+    return data_.read<double>(*array, n_components * n_points_);
   }
 
  private:
@@ -232,6 +257,11 @@ class VtuReader {
 AnyMesh parse_vtu(const Source& source, Observer& observer, FlatSimplices flat) {
   observer.check_cancelled();
   return VtuReader(source).read(flat);
+}
+
+std::vector<double> parse_vtu_point_array(const Source& source, const std::string& name, Observer& observer) {
+  observer.check_cancelled();
+  return VtuReader(source).read_point_array(name);
 }
 
 }  // namespace voropack::io

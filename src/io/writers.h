@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "voropack/io.h"
 #include "voropack/mesh.h"
 
 namespace voropack::io {
@@ -12,6 +13,6 @@ template <int D>
 void write_node_mesh(const Mesh<D>& mesh, const std::filesystem::path& path);
 
 template <int D>
-void write_vtu_mesh(const Mesh<D>& mesh, const std::filesystem::path& path);
+void write_vtu_mesh(const Mesh<D>& mesh, const std::filesystem::path& path, const MeshArrays& arrays);
 
 }  // namespace voropack::io

@@ -86,12 +86,21 @@ def check_mesh(path, dimension, cell_type, meshio_name, sides):
     check(f"{path.name}: region", close(measures[region == 1].sum(), (sides // 2 + sides % 2) / sides))
 
 
+def check_further_array(path):
+    points = vtk_to_numpy(open_with_vtk(path).GetPoints().GetData())
+    u = vtk_to_numpy(open_with_vtk(path).GetPointData().GetArray("u"))
+    check(f"{path.name}: VTK reads the array u", np.array_equal(u, points[:, 0] + 2 * points[:, 1]))
+    check(f"{path.name}: meshio reads the array u", np.array_equal(meshio.read(path).point_data["u"], u))
+
+
 def check_polyhedra(path):
     grid = open_with_vtk(path)
     volume = vtk_to_numpy(grid.GetCellData().GetArray("volume"))
     check("polyhedra: types", all(grid.GetCellType(c) == 42 for c in range(grid.GetNumberOfCells())))
     check("polyhedra: volumes",
           close([polyhedron_volume(grid.GetCell(c)) for c in range(grid.GetNumberOfCells())], volume))
+    check("polyhedra: a further array",
+          np.array_equal(vtk_to_numpy(grid.GetCellData().GetArray("volume_twice")), 2 * volume))
     check("polyhedra: sites", np.array_equal(vtk_to_numpy(grid.GetCellData().GetArray("site")), np.arange(len(volume))))
     check("polyhedra: volumes sum to 1", close(volume.sum(), 1))
     mesh = meshio.read(path)
@@ -112,6 +121,7 @@ def check_polygons(path):
 def main():
     folder = pathlib.Path(sys.argv[1])
     check_mesh(folder / "mesh2.vtu", 2, 5, "triangle", 100)
+    check_further_array(folder / "mesh2.vtu")
     check_mesh(folder / "mesh3.vtu", 3, 10, "tetra", 25)
     check_polyhedra(folder / "cells3.vtu")
     check_polygons(folder / "cells2.vtu")

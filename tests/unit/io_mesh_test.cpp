@@ -190,6 +190,46 @@ TEST(VtuMesh, RoundTripKeepsEverything) {
   EXPECT_TRUE(read_as<3>(folder / "grid.node") == grid);
 }
 
+TEST(VtuMesh, ArraysComeBackAndDoNotChangeTheMesh) {
+  const TemporaryFolder folder;
+  const Mesh<2> mesh = square_mesh();
+  std::vector<double> u, flux;
+  for (const VertexId v : ids<VertexId>(mesh.points.size())) u.push_back(0.1 + 1.0 / (1.0 + v.value()));
+  for (const SimplexId s : ids<SimplexId>(mesh.simplex_vertices.size())) flux.push_back(-1e-300 * s.value());
+  write_mesh(mesh, folder / "a.vtu", {.vertex = {{"u", u}, {"w", u}}, .simplex = {{"flux", flux}}});
+  EXPECT_EQ(read_as<2>(folder / "a.vtu"), mesh);
+  EXPECT_EQ(read_point_array(folder / "a.vtu", "u"), u);
+  EXPECT_EQ(read_point_array(folder / "a.vtu", "spacing"), mesh.vertex_spacing.raw());
+  const Fault fault = fault_of([&] { read_point_array(folder / "a.vtu", "spacign"); });
+  EXPECT_EQ(fault.id, "io.no_such_array");
+  EXPECT_NE(fault.message.find("\"u\", \"w\""), std::string::npos) << fault.message;
+  EXPECT_NE(fault.fix.find("did you mean \"spacing\""), std::string::npos) << fault.fix;
+  write_mesh(mesh, folder / "a.node");
+  EXPECT_EQ(fault_of([&] { read_point_array(folder / "a.node", "u"); }).id, "io.unknown_format");
+}
+
+TEST(VtuMesh, ArraysThatDoNotFitAreRefusedAndNothingIsWritten) {
+  const TemporaryFolder folder;
+  const Mesh<2> mesh = square_mesh();
+  const std::vector<double> u(mesh.points.size(), 1.0), longer(mesh.points.size() + 1, 1.0);
+  const auto id_of = [&](const char* file, const MeshArrays& arrays) {
+    try {
+      write_mesh(mesh, folder / file, arrays);
+    } catch (const OptionError& error) {
+      return error.id();
+    }
+    return std::string();
+  };
+  EXPECT_EQ(id_of("a.vtu", {.vertex = {{"u", longer}}, .simplex = {}}), "io.bad_array");
+  EXPECT_EQ(id_of("a.vtu", {.vertex = {{"u", u}, {"u", u}}, .simplex = {}}), "io.bad_array");
+  EXPECT_EQ(id_of("a.vtu", {.vertex = {{"spacing", u}}, .simplex = {}}), "io.bad_array");
+  EXPECT_EQ(id_of("a.vtu", {.vertex = {{"a<b", u}}, .simplex = {}}), "io.bad_array");
+  EXPECT_EQ(id_of("a.vtu", {.vertex = {}, .simplex = {{"s", longer}}}), "io.bad_array");
+  EXPECT_EQ(id_of("a.node", {.vertex = {{"u", u}}, .simplex = {}}), "io.bad_array");
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.vtu"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.node"));
+}
+
 const std::string kTextVtu =
     "<?xml version=\"1.0\"?>\n<!-- by hand -->\n<VTKFile type='UnstructuredGrid' version=\"0.1\">\n<UnstructuredGrid>\n"
     "<Piece NumberOfPoints=\"4\" NumberOfCells=\"4\">\n"
