@@ -1,14 +1,12 @@
 // voropack mesh: packs the domain, triangulates, builds the control volumes, certifies, writes.
 #include <fmt/format.h>
 
-#include <cmath>
-#include <fstream>
 #include <memory>
 #include <utility>
 
 #include "command.h"
+#include "meshing.h"
 #include "print.h"
-#include "voropack/pipeline.h"
 
 namespace voropack::app {
 
@@ -21,15 +19,8 @@ struct MeshArguments {
   std::vector<fs::path> outputs;
   std::optional<fs::path> cells;
 
-  std::optional<double> size, spacing;
   std::vector<std::string> region_sizes, marker_sizes;  ///< Each ID=H.
-  std::optional<fs::path> size_field;
-  std::optional<std::string> size_expression;
-  double gradation = MeshingOptions<3>{}.gradation;
-  double feature_factor = MeshingOptions<3>{}.feature_factor;
-
-  DomainOptions merge;
-  PackingOptions packing;
+  MeshingWishes wishes;
 };
 
 /// The files that a run will write, in their hidden places.
@@ -38,76 +29,13 @@ struct StagedOutputs {
   std::optional<fs::path> cells;
 };
 
-/// The .node file with the points of a .poly or .smesh that announces none of its own.
-std::optional<fs::path> points_beside(const fs::path& domain) {
-  if (domain.extension() != ".poly" && domain.extension() != ".smesh") return std::nullopt;
-  std::ifstream file(domain);
-  std::string word;
-  while (file >> word && word.front() == '#') std::getline(file, word);
-  if (word != "0") return std::nullopt;
-  return fs::path(domain).replace_extension(".node");
-}
-
-template <int D>
-typename SizeWishes<D>::Field read_size_field(const fs::path& path, Observer& observer) {
-  AnyMesh any = read_mesh(path, observer);
-  auto* const mesh = std::get_if<Mesh<D>>(&any);
-  const auto fault = [&](const std::string& message, const std::string& fix) {
-    return InputError(Fault{.id = "cli.size_field", .message = message, .fix = fix, .file = path.string()});
-  };
-  if (mesh == nullptr)
-    throw fault(fmt::format("this size field is {}D, the domain {}D", 5 - D, D), "give a mesh of the same dimension.");
-  std::vector<double> size = mesh->vertex_spacing.raw();
-  if (size.empty())
-    throw fault("the vertices have no attribute", "give every vertex the wanted edge length as its first attribute.");
-  for (std::size_t i = 0; i < size.size(); ++i)
-    if (!(std::isfinite(size[i]) && size[i] > 0))
-      throw fault(fmt::format("the wanted edge length of vertex {} (counted from 0) is {}", i, size[i]),
-                  "give a positive number.");
-  return {std::move(*mesh), std::move(size)};
-}
-
-template <int D>
-MeshingOptions<D> meshing_options(const MeshArguments& arguments, const Session& session) {
-  MeshingOptions<D> options;
-  options.domain = arguments.merge;
-  options.wishes.size = arguments.size;
-  options.wishes.spacing = arguments.spacing;
-  options.wishes.region_size = sizes_by_id(arguments.region_sizes, "--region-size");
-  options.wishes.marker_size = sizes_by_id(arguments.marker_sizes, "--marker-size");
-  options.wishes.expression = arguments.size_expression;
-  if (arguments.size_field) options.wishes.field = read_size_field<D>(*arguments.size_field, session.observer);
-  options.gradation = arguments.gradation;
-  options.feature_factor = arguments.feature_factor;
-  options.packing = arguments.packing;
-  options.packing.seed = session.common.seed;
-  options.threads = thread_count(session.common.threads);
-  return options;
-}
-
 template <int D>
 Json options_json(const MeshArguments& arguments, const MeshingOptions<D>& options) {
   Json json;
   json["output"] = Json::array();
   for (const fs::path& output : arguments.outputs) json["output"].push_back(output.string());
   if (arguments.cells) json["cells"] = arguments.cells->string();
-  if (options.wishes.size) json["size"] = *options.wishes.size;
-  if (options.wishes.spacing) json["spacing"] = *options.wishes.spacing;
-  for (const auto& [id, size] : options.wishes.region_size) json["region_size"][std::to_string(id)] = size;
-  for (const auto& [id, size] : options.wishes.marker_size) json["marker_size"][std::to_string(id)] = size;
-  if (arguments.size_field) json["size_field"] = arguments.size_field->string();
-  if (options.wishes.expression) json["size_expr"] = *options.wishes.expression;
-  if (options.domain.merge_distance) json["merge_distance"] = *options.domain.merge_distance;
-  json["merge_angle"] = options.domain.merge_angle_deg;
-  json["gradation"] = options.gradation;
-  json["feature_factor"] = options.feature_factor;
-  json["packing"] = name_of(kFormNames, options.packing.form);
-  if (options.packing.form == PackingForm::kVoronoi)
-    json["interior"] = name_of(kInteriorNames, options.packing.interior);
-  else
-    json["epsilon"] = options.packing.epsilon;
-  json["max_vertices"] = options.packing.max_vertices;
-  json["seed"] = options.packing.seed;
+  json.update(meshing_json(arguments.wishes, options));
   return json;
 }
 
@@ -126,11 +54,7 @@ std::string features_text(const MeshingResult<D>& result) {
 
 template <int D>
 std::string summary(const MeshArguments& arguments, const MeshingResult<D>& result) {
-  const Domain<D>& domain = result.domain;
-  std::string text = fmt::format("{}: {}D, {} points, {} segments", arguments.domain.string(), D,
-                                 grouped(domain.points.size()), grouped(domain.segments.size()));
-  if (D == 3) text += fmt::format(", {} facets", grouped(domain.facet_frame.size()));
-  text += fmt::format(", {} regions\n\n", grouped(domain.region_id.size()));
+  std::string text = domain_line(arguments.domain, result.domain) + '\n';
   text += count_table(result.quality) + '\n' + quality_table(result.quality) + '\n';
   if (!result.repairs.empty())
     text += fmt::format("The spacing was reduced in {} places to keep protecting balls empty.\n\n",
@@ -145,19 +69,15 @@ std::string summary(const MeshArguments& arguments, const MeshingResult<D>& resu
 template <int D>
 ExitCode mesh_domain(const DomainInput<D>& input, const MeshArguments& arguments, const StagedOutputs& staged,
                      StageTimes read_times, Session& session) {
-  const MeshingOptions<D> options = timed(read_times, "read", [&] { return meshing_options<D>(arguments, session); });
+  const MeshingOptions<D> options =
+      timed(read_times, "read", [&] { return meshing_options<D>(arguments.wishes, session); });
   const MeshingResult<D> result = make_mesh<D>(input, options, session.observer);
 
   Report report;
   report.command = "mesh";
   report.options = options_json(arguments, options);
   report.input = describe_domain(arguments.domain, result.domain);
-  report.quality = result.quality;
-  report.certificate = result.certificate;
-  report.packing = PackingFigures{.repairs = result.repairs.size(), .repair_rounds = result.repair_rounds};
-  if (result.spacing_integral > 0)
-    report.packing->size_ratio = static_cast<double>(result.mesh.points.size()) / result.spacing_integral;
-  report.costliest_features = features_json(result.costliest_features, result.domain);
+  describe_meshing(result, report);
   report.times = result.times;
   report.times["read"] = read_times["read"];
 
@@ -174,17 +94,17 @@ ExitCode mesh_domain(const DomainInput<D>& input, const MeshArguments& arguments
   return result.certificate.ok ? ExitCode::kDone : ExitCode::kCheckFailed;
 }
 
-ExitCode run_mesh(const MeshArguments& arguments, Session& session) {
+ExitCode run_mesh(MeshArguments& arguments, Session& session) {
   for (const fs::path& output : arguments.outputs) check_extension(output, kMeshExtensions);
   if (arguments.cells) check_extension(*arguments.cells, {".vtu"});
-  sizes_by_id(arguments.region_sizes, "--region-size");
-  sizes_by_id(arguments.marker_sizes, "--marker-size");
+  arguments.wishes.region_size = sizes_by_id(arguments.region_sizes, "--region-size");
+  arguments.wishes.marker_size = sizes_by_id(arguments.marker_sizes, "--marker-size");
   StagedOutputs staged;
   for (const fs::path& output : arguments.outputs) staged.meshes.push_back(session.outputs.stage(output));
   if (arguments.cells) staged.cells = session.outputs.stage(*arguments.cells);
   session.outputs.protect(arguments.domain);
   if (const std::optional<fs::path> points = points_beside(arguments.domain)) session.outputs.protect(*points);
-  if (arguments.size_field) session.outputs.protect(*arguments.size_field);
+  if (arguments.wishes.size_field) session.outputs.protect(*arguments.wishes.size_field);
 
   session.observer.begin_stage("read");
   StageTimes times;
@@ -193,10 +113,10 @@ ExitCode run_mesh(const MeshArguments& arguments, Session& session) {
 }
 
 void add_size_options(CLI::App& command, MeshArguments& arguments) {
-  command.add_option("--size", arguments.size, "Wanted mean edge length; without it the geometry alone decides")
+  command.add_option("--size", arguments.wishes.size, "Wanted mean edge length; without it the geometry alone decides")
       ->check(positive_number())
       ->type_name("H");
-  command.add_option("--spacing", arguments.spacing, "Upper bound on the spacing function f itself (a radius)")
+  command.add_option("--spacing", arguments.wishes.spacing, "Upper bound on the spacing function f itself (a radius)")
       ->check(positive_number())
       ->type_name("F");
   command.add_option("--region-size", arguments.region_sizes, "Wanted edge length in one region; may be given again")
@@ -210,32 +130,34 @@ void add_size_options(CLI::App& command, MeshArguments& arguments) {
       ->allow_extra_args(false)
       ->type_name("ID=H");
   command
-      .add_option("--size-field", arguments.size_field,
+      .add_option("--size-field", arguments.wishes.size_field,
                   "Mesh (.node, .vtu) whose first vertex attribute is the wanted edge length")
       ->type_name("FILE");
-  command.add_option("--size-expr", arguments.size_expression, "Wanted edge length as a formula in x, y and z")
+  command.add_option("--size-expr", arguments.wishes.size_expression, "Wanted edge length as a formula in x, y and z")
       ->type_name("\"0.05+0.1*x\"");
-  add_gradation_option(command, arguments.gradation);
-  command.add_option("--feature-factor", arguments.feature_factor, "Spacing over local feature size, at most 1")
+  add_gradation_option(command, arguments.wishes.gradation);
+  command.add_option("--feature-factor", arguments.wishes.feature_factor, "Spacing over local feature size, at most 1")
       ->check(positive_number(1))
       ->type_name("A")
       ->capture_default_str();
 }
 
 void add_packing_options(CLI::App& command, MeshArguments& arguments) {
-  add_form_options(command, arguments.packing.form, arguments.packing.epsilon);
+  add_form_options(command, arguments.wishes.packing.form, arguments.wishes.packing.epsilon);
   std::vector<std::string> names;
   for (const auto& [name, value] : kInteriorNames) names.push_back(name);
   command
       .add_option_function<std::string>(
           "--interior",
-          [&interior = arguments.packing.interior](const std::string& name) { interior = kInteriorNames.at(name); },
+          [&interior = arguments.wishes.packing.interior](const std::string& name) {
+            interior = kInteriorNames.at(name);
+          },
           "With --packing voronoi: what fills the interior, lattice or random")
       ->check(one_of(names))
       ->type_name("KIND")
-      ->default_str(name_of(kInteriorNames, arguments.packing.interior));
+      ->default_str(name_of(kInteriorNames, arguments.wishes.packing.interior));
   command
-      .add_option("--max-vertices", arguments.packing.max_vertices,
+      .add_option("--max-vertices", arguments.wishes.packing.max_vertices,
                   "Stop before the work if more vertices than this are expected")
       ->check(whole_number(1))
       ->type_name("N")
@@ -254,7 +176,7 @@ Command add_mesh_command(CLI::App& root, CommonOptions& common) {
   app->add_option("--cells", arguments->cells, "Write the control volumes as polyhedra or polygons")
       ->type_name("FILE.vtu");
   add_size_options(*app, *arguments);
-  add_merge_options(*app, arguments->merge);
+  add_merge_options(*app, arguments->wishes.merge);
   add_packing_options(*app, *arguments);
   add_common_options(*app, common);
   app->footer(

@@ -1,0 +1,118 @@
+#include "meshing.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "voropack/error.h"
+
+namespace voropack::app {
+
+namespace fs = std::filesystem;
+
+/// The .node file with the points of a .poly or .smesh that announces none of its own.
+std::optional<fs::path> points_beside(const fs::path& domain) {
+  if (domain.extension() != ".poly" && domain.extension() != ".smesh") return std::nullopt;
+  std::ifstream file(domain);
+  std::string word;
+  while (file >> word && word.front() == '#') std::getline(file, word);
+  if (word != "0") return std::nullopt;
+  return fs::path(domain).replace_extension(".node");
+}
+
+namespace {
+
+template <int D>
+typename SizeWishes<D>::Field read_size_field(const fs::path& path, Observer& observer) {
+  AnyMesh any = read_mesh(path, observer);
+  auto* const mesh = std::get_if<Mesh<D>>(&any);
+  const auto fault = [&](const std::string& message, const std::string& fix) {
+    return InputError(Fault{.id = "cli.size_field", .message = message, .fix = fix, .file = path.string()});
+  };
+  if (mesh == nullptr)
+    throw fault(fmt::format("this size field is {}D, the domain {}D", 5 - D, D), "give a mesh of the same dimension.");
+  std::vector<double> size = mesh->vertex_spacing.raw();
+  if (size.empty())
+    throw fault("the vertices have no attribute", "give every vertex the wanted edge length as its first attribute.");
+  for (std::size_t i = 0; i < size.size(); ++i)
+    if (!(std::isfinite(size[i]) && size[i] > 0))
+      throw fault(fmt::format("the wanted edge length of vertex {} (counted from 0) is {}", i, size[i]),
+                  "give a positive number.");
+  return {std::move(*mesh), std::move(size)};
+}
+
+}  // namespace
+
+template <int D>
+MeshingOptions<D> meshing_options(const MeshingWishes& wishes, const Session& session) {
+  MeshingOptions<D> options;
+  options.domain = wishes.merge;
+  options.wishes.size = wishes.size;
+  options.wishes.spacing = wishes.spacing;
+  options.wishes.region_size = wishes.region_size;
+  options.wishes.marker_size = wishes.marker_size;
+  options.wishes.expression = wishes.size_expression;
+  if (wishes.size_field) options.wishes.field = read_size_field<D>(*wishes.size_field, session.observer);
+  options.gradation = wishes.gradation;
+  options.feature_factor = wishes.feature_factor;
+  options.packing = wishes.packing;
+  options.packing.seed = session.common.seed;
+  options.threads = thread_count(session.common.threads);
+  return options;
+}
+
+template <int D>
+Json meshing_json(const MeshingWishes& wishes, const MeshingOptions<D>& options) {
+  Json json;
+  if (options.wishes.size) json["size"] = *options.wishes.size;
+  if (options.wishes.spacing) json["spacing"] = *options.wishes.spacing;
+  for (const auto& [id, size] : options.wishes.region_size) json["region_size"][std::to_string(id)] = size;
+  for (const auto& [id, size] : options.wishes.marker_size) json["marker_size"][std::to_string(id)] = size;
+  if (wishes.size_field) json["size_field"] = wishes.size_field->string();
+  if (options.wishes.expression) json["size_expr"] = *options.wishes.expression;
+  if (options.domain.merge_distance) json["merge_distance"] = *options.domain.merge_distance;
+  json["merge_angle"] = options.domain.merge_angle_deg;
+  json["gradation"] = options.gradation;
+  json["feature_factor"] = options.feature_factor;
+  json["packing"] = name_of(kFormNames, options.packing.form);
+  if (options.packing.form == PackingForm::kVoronoi)
+    json["interior"] = name_of(kInteriorNames, options.packing.interior);
+  else
+    json["epsilon"] = options.packing.epsilon;
+  json["max_vertices"] = options.packing.max_vertices;
+  json["seed"] = options.packing.seed;
+  return json;
+}
+
+template <int D>
+void describe_meshing(const MeshingResult<D>& result, Report& report) {
+  report.quality = result.quality;
+  report.certificate = result.certificate;
+  report.packing = PackingFigures{.repairs = result.repairs.size(), .repair_rounds = result.repair_rounds};
+  if (result.spacing_integral > 0)
+    report.packing->size_ratio = static_cast<double>(result.mesh.points.size()) / result.spacing_integral;
+  report.costliest_features = features_json(result.costliest_features, result.domain);
+}
+
+template <int D>
+std::string domain_line(const fs::path& path, const Domain<D>& domain) {
+  std::string text = fmt::format("{}: {}D, {} points, {} segments", path.string(), D, grouped(domain.points.size()),
+                                 grouped(domain.segments.size()));
+  if (D == 3) text += fmt::format(", {} facets", grouped(domain.facet_frame.size()));
+  return text + fmt::format(", {} regions\n", grouped(domain.region_id.size()));
+}
+
+template MeshingOptions<2> meshing_options(const MeshingWishes&, const Session&);
+template Json meshing_json(const MeshingWishes&, const MeshingOptions<2>&);
+template void describe_meshing(const MeshingResult<2>&, Report&);
+template std::string domain_line(const fs::path&, const Domain<2>&);
+template MeshingOptions<3> meshing_options(const MeshingWishes&, const Session&);
+template Json meshing_json(const MeshingWishes&, const MeshingOptions<3>&);
+template void describe_meshing(const MeshingResult<3>&, Report&);
+template std::string domain_line(const fs::path&, const Domain<3>&);
+
+}  // namespace voropack::app

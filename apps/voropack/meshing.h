@@ -1,0 +1,45 @@
+// Making a mesh of a domain, as the commands mesh and solve have it in common.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "command.h"
+#include "voropack/pipeline.h"
+
+namespace voropack::app {
+
+/// What a user may wish of a mesh, under the names of the command line.
+struct MeshingWishes {
+  std::optional<double> size, spacing;
+  std::map<int, double> region_size, marker_size;
+  std::optional<std::filesystem::path> size_field;
+  std::optional<std::string> size_expression;
+  double gradation = MeshingOptions<3>{}.gradation;
+  double feature_factor = MeshingOptions<3>{}.feature_factor;
+  DomainOptions merge;
+  PackingOptions packing;
+};
+
+/// Reads the size field, if there is one. Throws InputError cli.size_field, and as read_mesh.
+template <int D>
+MeshingOptions<D> meshing_options(const MeshingWishes& wishes, const Session& session);
+
+/// The options as the report lists them.
+template <int D>
+Json meshing_json(const MeshingWishes& wishes, const MeshingOptions<D>& options);
+
+/// Adds to the report what is known of a mesh and how it was made.
+template <int D>
+void describe_meshing(const MeshingResult<D>& result, Report& report);
+
+/// The domain in one line.
+template <int D>
+std::string domain_line(const std::filesystem::path& path, const Domain<D>& domain);
+
+/// The .node file with the points of a .poly or .smesh that announces none of its own.
+std::optional<std::filesystem::path> points_beside(const std::filesystem::path& domain);
+
+}  // namespace voropack::app
