@@ -42,6 +42,7 @@ Command add_check_command(CLI::App& root, CommonOptions& common);
 Command add_stats_command(CLI::App& root, CommonOptions& common);
 Command add_convert_command(CLI::App& root, CommonOptions& common);
 Command add_plot_command(CLI::App& root, CommonOptions& common);
+Command add_solve_command(CLI::App& root, CommonOptions& common);
 Command add_paper_command(CLI::App& root, CommonOptions& common);
 
 /// --redelaunay of the commands that read a mesh.

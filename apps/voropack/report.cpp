@@ -110,8 +110,9 @@ Json certificate_json(const Certificate& certificate) {
 
 /// In the order of the stages; names that the order does not know follow.
 Json timing_json(const StageTimes& times) {
-  constexpr std::array<std::string_view, 9> kOrder = {"read",    "spacing",     "packing", "delaunay", "dual",
-                                                      "quality", "certificate", "write",   "total"};
+  constexpr std::array<std::string_view, 11> kOrder = {"read",  "spacing", "packing",     "delaunay",
+                                                       "dual",  "quality", "certificate", "assemble",
+                                                       "solve", "write",   "total"};
   Json json = Json::object();
   for (const std::string_view name : kOrder)
     if (const auto found = times.find(std::string(name)); found != times.end()) json[found->first] = found->second;
@@ -188,6 +189,7 @@ Json to_json(const Report& report) {
   }
   if (report.costliest_features) json["costliest_features"] = *report.costliest_features;
   if (report.certificate) json["certificate"] = certificate_json(*report.certificate);
+  if (report.solve) json["solve"] = *report.solve;
   if (report.figure3) json["figure3"] = *report.figure3;
   json["timing_s"] = timing_json(report.times);
   json["threads"] = report.threads;

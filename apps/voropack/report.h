@@ -43,6 +43,7 @@ struct Report {
   std::optional<PackingFigures> packing;
   std::optional<Json> costliest_features;
   std::optional<Json> figure3;
+  std::optional<Json> solve;
   StageTimes times;
   int threads = 0;
 };

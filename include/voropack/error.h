@@ -12,14 +12,15 @@ namespace voropack {
 
 /// One thing that is wrong with an input: a stable id, what is wrong where, and how to mend it.
 struct Fault {
-  std::string id{};                     ///< Stable, such as "domain.self_intersection".
-  std::string message{};                ///< What and where, in words, with coordinates and the input's own numbers.
-  std::string fix{};                    ///< How to mend it, as an order.
-  std::string file{};                   ///< Empty if the input was not read from a file.
-  std::optional<std::uint64_t> line{};  ///< 1-based line of `file`.
-  std::vector<double> position{};       ///< D coordinates, or empty.
+  std::string id{};                       ///< Stable, such as "domain.self_intersection".
+  std::string message{};                  ///< What and where, in words, with coordinates and the input's own numbers.
+  std::string fix{};                      ///< How to mend it, as an order.
+  std::string file{};                     ///< Empty if the input was not read from a file.
+  std::optional<std::uint64_t> line{};    ///< 1-based line of `file`.
+  std::optional<std::uint64_t> column{};  ///< 1-based column of `line`.
+  std::vector<double> position{};         ///< D coordinates, or empty.
 
-  /// `file:line: message  [id]` and `  Fix: fix` on a line of its own.
+  /// `file:line:column: message  [id]` and `  Fix: fix` on a line of its own.
   [[nodiscard]] std::string text() const;
 };
 

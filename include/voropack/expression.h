@@ -49,6 +49,9 @@ class Expression {
   /// The value for the given values of the variables, in the order in which they were named. May be infinite or NaN.
   [[nodiscard]] double operator()(std::span<const double> values) const;
 
+  /// Whether the formula mentions the variable of that number.
+  [[nodiscard]] bool uses(std::size_t variable) const;
+
   /// The derivative with respect to the variable of that number, by forward differentiation: exact up to rounding.
   /// Comparisons count as constant; at a kink it is the derivative of the branch that is taken, and 0 for abs.
   [[nodiscard]] double derivative(std::span<const double> values, std::size_t variable) const;

@@ -22,6 +22,7 @@ std::string Fault::text() const {
   if (!file.empty()) {
     text += file;
     if (line) text += ':' + std::to_string(*line);
+    if (line && column) text += ':' + std::to_string(*column);
     text += ": ";
   }
   text += message;

@@ -393,6 +393,11 @@ T Expression::run(std::span<const double> values, std::size_t variable) const {
 
 double Expression::operator()(std::span<const double> values) const { return run<double>(values, 0); }
 
+bool Expression::uses(std::size_t variable) const {
+  return std::any_of(program_.begin(), program_.end(),
+                     [&](const Step& step) { return step.op == Op::kVariable && step.variable == variable; });
+}
+
 double Expression::derivative(std::span<const double> values, std::size_t variable) const {
   return run<ExpressionTangent>(values, variable).slope;
 }

@@ -107,6 +107,12 @@ TEST(Expression, ConstantsHaveNoDerivativeWhateverTheyArePutInto) {
   EXPECT_EQ(derivative("abs(x)", 0), 0);
 }
 
+TEST(Expression, KnowsWhichVariablesItUses) {
+  const Expression formula("if(x < 1, 2*x, 3)", kNames);
+  EXPECT_TRUE(formula.uses(0));
+  EXPECT_FALSE(formula.uses(1));
+}
+
 TEST(Expression, DeepFormulasNeedNoMoreThanTheirStack) {
   std::string text = "x";
   for (int i = 0; i < 100; ++i) text = "(1+" + text + ")";
