@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <utility>
 
 #include "parameters.h"
@@ -85,6 +86,7 @@ void read_equation(CaseTable& file, Case& result) {
   result.conductivity = take_coefficient(table, "conductivity", 1);
   result.reaction = take_coefficient(table, "reaction", 0);
   result.source = take_coefficient(table, "source", 0);
+  result.capacity = take_coefficient(table, "capacity", 1);
   result.mean = table.take_number("mean");
   table.finish();
 }
@@ -117,14 +119,62 @@ void read_exact(CaseTable& file, Case& result) {
 void read_linear(CaseTable& file, Case& result) {
   std::optional<CaseTable> table = file.take_table("linear");
   if (!table) return;
-  set(result.linear.method, table->take_choice("method", {"automatic", "direct", "conjugate-gradients"}));
+  LinearOptions& linear = result.newton.linear;
+  set(linear.method, table->take_choice("method", {"automatic", "direct", "conjugate-gradients"}));
   const std::optional<std::size_t> preconditioner =
       table->take_choice("preconditioner", {"diagonal", "incomplete-cholesky"});
-  set(result.linear.preconditioner, preconditioner);
+  set(linear.preconditioner, preconditioner);
   result.has_preconditioner = preconditioner.has_value();
-  set(result.linear.tolerance, table->take_positive("tolerance", 0.1));
-  set(result.linear.max_iterations, table->take_whole("max_iterations", 1, kMaxIterations));
+  set(linear.tolerance, table->take_positive("tolerance", 0.1));
+  set(linear.max_iterations, table->take_whole("max_iterations", 1, kMaxIterations));
   table->finish();
+}
+
+void read_newton(CaseTable& file, Case& result) {
+  std::optional<CaseTable> table = file.take_table("newton");
+  if (!table) return;
+  set(result.newton.tolerance, table->take_positive("tolerance", 0.1));
+  set(result.newton.max_steps, table->take_whole("max_steps", 1, kMaxIterations));
+  set(result.newton.smallest_damping, table->take_positive("smallest_damping", 1));
+  if (const CaseValue* const initial = table->take("initial")) {
+    result.newton_initial = take_coefficient(*table, "initial", 0);
+    if (std::holds_alternative<std::map<int, CaseFormula>>(result.newton_initial->value))
+      file.faults().add("case.wrong_type", initial->place, "newton.initial cannot differ by region",
+                        "give a number, a formula in quotation marks, or {array = \"name\"}.");
+  }
+  table->finish();
+}
+
+void read_time(CaseTable& file, Case& result) {
+  std::optional<CaseTable> table = file.take_table("time");
+  if (!table) return;
+  CaseTime time;
+  TimeOptions& options = time.options;
+  set(options.begin, table->take_number("begin"));
+  const std::optional<double> end = table->take_number("end");
+  if (!end && table->take("end") == nullptr) table->miss("end", "end = 1.0");
+  options.end = end.value_or(options.begin + 1);
+  if (!(options.end > options.begin))
+    file.faults().add("case.contradiction", table->key_place("end"),
+                      fmt::format("time ends at {} and begins at {}", options.end, options.begin),
+                      "let time.end be later than time.begin, which is 0 unless given.");
+  options.step = 0.01 * (options.end - options.begin);
+  set(options.step, table->take_positive("step"));
+  set(options.scheme, table->take_choice("scheme", {"backward-euler", "crank-nicolson"}));
+  set(options.n_startup, table->take_whole("startup_steps", 0, kMaxIterations));
+  options.tolerance = table->take_positive("tolerance");
+  set(options.smallest_step, table->take_positive("smallest_step"));
+  set(options.max_steps, table->take_whole("max_steps", 1, std::numeric_limits<std::int64_t>::max()));
+  time.initial = take_coefficient(*table, "initial", 0);
+  table->finish();
+  result.time = std::move(time);
+}
+
+/// What finite elements are not there for.
+void check_method(const Case& result, CaseFaults& faults, const CaseTable& file) {
+  if (result.method == CaseMethod::kFiniteElements && result.time)
+    faults.add("case.contradiction", file.key_place("time"), "finite elements solve stationary problems only",
+               "leave out [time], or set method = \"cvm\".");
 }
 
 void read_outputs(CaseTable& file, Case& result) {
@@ -133,6 +183,7 @@ void read_outputs(CaseTable& file, Case& result) {
   if (const std::optional<fs::path> mesh = table->take_path("mesh")) result.outputs.meshes.push_back(*mesh);
   result.outputs.cells = table->take_path("cells");
   result.outputs.fluxes = table->take_path("fluxes");
+  result.outputs.every = table->take_positive("every");
   table->finish();
 }
 
@@ -150,9 +201,12 @@ Case read_case(const fs::path& path) {
   read_equation(file, result);
   read_conditions(file, result);
   read_exact(file, result);
+  read_time(file, result);
   read_linear(file, result);
+  read_newton(file, result);
   read_outputs(file, result);
   file.finish();
+  check_method(result, faults, file);
   faults.check();
   return result;
 }

@@ -12,6 +12,8 @@
 #include "case_file.h"
 #include "meshing.h"
 #include "voropack/linear_system.h"
+#include "voropack/nonlinear.h"
+#include "voropack/transient.h"
 
 namespace voropack::app {
 
@@ -43,6 +45,11 @@ struct CaseCondition {
   CasePlace place;
 };
 
+struct CaseTime {
+  TimeOptions options;
+  CaseCoefficient initial;
+};
+
 struct CaseExact {
   CaseFormula u;
   std::vector<CaseFormula> gradient;  ///< Empty: that of u.
@@ -54,6 +61,7 @@ struct CaseOutputs {
   std::vector<std::filesystem::path> meshes;  ///< .vtu with the array u at points.
   std::optional<std::filesystem::path> cells;
   std::optional<std::filesystem::path> fluxes;  ///< .csv
+  std::optional<double> every;                  ///< Time between states of a series; without it the end alone.
 };
 
 struct Case {
@@ -64,13 +72,15 @@ struct Case {
   std::optional<std::filesystem::path> domain;
   MeshingWishes wishes;
 
-  CaseCoefficient conductivity, reaction, source;
+  CaseCoefficient conductivity, reaction, source, capacity;
   std::optional<double> mean;
   std::map<int, CaseCondition> conditions;
   std::optional<CaseCondition> other_conditions;  ///< Of markers of the hull that `conditions` does not list.
   std::optional<CaseExact> exact;
 
-  LinearOptions linear;
+  std::optional<CaseTime> time;  ///< Absent: stationary.
+  NewtonOptions newton;          ///< Its `linear` holds for linear problems as well.
+  std::optional<CaseCoefficient> newton_initial;
   bool has_preconditioner = false;  ///< Whether the file chose it.
   CaseOutputs outputs;
 };

@@ -20,8 +20,9 @@ namespace {
 
 constexpr std::size_t kMaxListed = 20;
 
+/// The position first, so that a gradient is the derivatives by the first D.
 const std::vector<std::string>& variable_names(int dimension) {
-  static const std::vector<std::string> plane = {"x", "y"}, space = {"x", "y", "z"};
+  static const std::vector<std::string> plane = {"x", "y", "t", "u"}, space = {"x", "y", "z", "t", "u"};
   return dimension == 2 ? plane : space;
 }
 
@@ -43,7 +44,7 @@ std::string known_ids(const std::string& what, int id, const std::set<int>& know
 }  // namespace
 
 template <int D>
-CompiledFormula<D>::CompiledFormula(const CaseFormula& formula, CaseFaults& faults) {
+CompiledFormula<D>::CompiledFormula(const CaseFormula& formula, FormulaScope scope, CaseFaults& faults) {
   if (const double* const number = std::get_if<double>(&formula.value)) {
     number_ = *number;
     if (!std::isfinite(number_))
@@ -58,37 +59,94 @@ CompiledFormula<D>::CompiledFormula(const CaseFormula& formula, CaseFaults& faul
     faults.add("case.formula", {formula.place.line, formula.place.column + error.fault().column},
                fmt::format("{}: {}", formula.name, error.what()),
                fmt::format("correct the formula; its variables are {}.", fmt::join(variable_names(D), ", ")));
+    return;
   }
-}
-
-template <int D>
-double CompiledFormula<D>::operator()(const Vec<D>& x) const {
-  return formula_ == nullptr ? number_ : (*formula_)(x.coord);
-}
-
-template <int D>
-Vec<D> CompiledFormula<D>::gradient(const Vec<D>& x) const {
-  Vec<D> result{};
-  for (int k = 0; k < D; ++k)
-    result[k] = formula_ == nullptr ? 0.0 : formula_->derivative(x.coord, static_cast<std::size_t>(k));
-  return result;
+  if (uses_time() && !scope.time)
+    faults.add("case.formula", formula.place, fmt::format("{} depends on the time t here", formula.name),
+               "add a [time] table, or leave out t; capacity and initial values never depend on it.");
+  if (uses_state() && !scope.state)
+    faults.add("case.formula", formula.place, fmt::format("{} depends on the solution u", formula.name),
+               "leave out u: with method = \"cvm\", equation.conductivity and equation.source may depend on it.");
 }
 
 namespace {
 
 template <int D>
-CompiledCoefficient<D> compile(const CaseCoefficient& coefficient, CaseFaults& faults) {
+std::array<double, D + 2> arguments(const Vec<D>& x, double t, double u) {
+  std::array<double, D + 2> values;
+  std::copy(x.coord.begin(), x.coord.end(), values.begin());
+  values[D] = t;
+  values[D + 1] = u;
+  return values;
+}
+
+}  // namespace
+
+template <int D>
+double CompiledFormula<D>::value(const Vec<D>& x, double t, double u) const {
+  return formula_ == nullptr ? number_ : (*formula_)(arguments(x, t, u));
+}
+
+template <int D>
+Vec<D> CompiledFormula<D>::gradient(const Vec<D>& x, double t) const {
+  Vec<D> result{};
+  for (int k = 0; k < D; ++k)
+    result[k] = formula_ == nullptr ? 0.0 : formula_->derivative(arguments(x, t, 0), static_cast<std::size_t>(k));
+  return result;
+}
+
+template <int D>
+double CompiledFormula<D>::derivative_by_u(const Vec<D>& x, double t, double u) const {
+  return formula_ == nullptr ? 0.0 : formula_->derivative(arguments(x, t, u), D + 1);
+}
+
+template <int D>
+bool CompiledFormula<D>::uses_position() const {
+  for (std::size_t k = 0; k < D; ++k)
+    if (formula_ != nullptr && formula_->uses(k)) return true;
+  return false;
+}
+
+template <int D>
+bool any_formula(const CompiledCoefficient<D>& coefficient, bool (CompiledFormula<D>::*property)() const) {
+  if (const auto* const formula = std::get_if<CompiledFormula<D>>(&coefficient)) return (formula->*property)();
+  if (const auto* const by_region = std::get_if<std::map<int, CompiledFormula<D>>>(&coefficient))
+    return std::any_of(by_region->begin(), by_region->end(),
+                       [&](const auto& entry) { return (entry.second.*property)(); });
+  return false;
+}
+
+namespace {
+
+template <int D>
+CompiledCoefficient<D> compile(const CaseCoefficient& coefficient, FormulaScope scope, CaseFaults& faults) {
   if (const auto* const formula = std::get_if<CaseFormula>(&coefficient.value))
-    return CompiledFormula<D>(*formula, faults);
+    return CompiledFormula<D>(*formula, scope, faults);
   std::map<int, CompiledFormula<D>> by_region;
   if (const auto* const formulas = std::get_if<std::map<int, CaseFormula>>(&coefficient.value))
-    for (const auto& [region, formula] : *formulas) by_region.emplace(region, CompiledFormula<D>(formula, faults));
+    for (const auto& [region, formula] : *formulas)
+      by_region.emplace(region, CompiledFormula<D>(formula, scope, faults));
   return by_region;
 }
 
 template <int D>
-CompiledCondition<D> compile(const CaseCondition& condition, CaseFaults& faults) {
-  return {condition.type, CompiledFormula<D>(condition.value, faults), CompiledFormula<D>(condition.transfer, faults)};
+CompiledCondition<D> compile(const CaseCondition& condition, FormulaScope scope, CaseFaults& faults) {
+  const CompiledFormula<D> value(condition.value, scope, faults);
+  if (condition.type == CaseCondition::Type::kRate && value.uses_position())
+    faults.add("case.formula", condition.value.place,
+               fmt::format("{} is one number for the whole marker, not a function of position", condition.value.name),
+               "give a number, or a formula in t alone.");
+  return {condition.type, value, CompiledFormula<D>(condition.transfer, scope, faults)};
+}
+
+template <int D>
+void compile_exact(const CaseExact& exact, FormulaScope scope, CompiledCase<D>& result, CaseFaults& faults) {
+  result.exact = CompiledFormula<D>(exact.u, scope, faults);
+  for (const CaseFormula& formula : exact.gradient) result.exact_gradient.emplace_back(formula, scope, faults);
+  if (exact.gradient.empty() || exact.gradient.size() == D) return;
+  faults.add("case.wrong_length", exact.gradient.front().place,
+             fmt::format("exact.gradient has {} entries in {}D", exact.gradient.size(), D),
+             fmt::format("give {} formulas, or none: the gradient is derived from u.", D));
 }
 
 }  // namespace
@@ -97,22 +155,22 @@ template <int D>
 CompiledCase<D> compile_case(const Case& given) {
   CaseFaults faults(given.file);
   CompiledCase<D> result;
-  result.conductivity = compile<D>(given.conductivity, faults);
-  result.reaction = compile<D>(given.reaction, faults);
-  result.source = compile<D>(given.source, faults);
+  const FormulaScope position, time{.time = given.time.has_value()};
+  const FormulaScope state{.time = time.time, .state = given.method == CaseMethod::kControlVolumes};
+  result.conductivity = compile<D>(given.conductivity, state, faults);
+  result.reaction = compile<D>(given.reaction, time, faults);
+  result.source = compile<D>(given.source, state, faults);
+  result.capacity = compile<D>(given.capacity, position, faults);
+  if (given.time) result.initial = compile<D>(given.time->initial, position, faults);
+  if (given.newton_initial) result.newton_initial = compile<D>(*given.newton_initial, position, faults);
   for (const auto& [marker, condition] : given.conditions)
-    result.conditions.emplace(marker, compile<D>(condition, faults));
-  if (given.other_conditions) result.other_conditions = compile<D>(*given.other_conditions, faults);
+    result.conditions.emplace(marker, compile<D>(condition, time, faults));
+  if (given.other_conditions) result.other_conditions = compile<D>(*given.other_conditions, time, faults);
   result.mean = given.mean;
-  if (given.exact) {
-    result.exact = CompiledFormula<D>(given.exact->u, faults);
-    for (const CaseFormula& formula : given.exact->gradient) result.exact_gradient.emplace_back(formula, faults);
-    if (!result.exact_gradient.empty() && result.exact_gradient.size() != D)
-      faults.add("case.wrong_length", given.exact->gradient.front().place,
-                 fmt::format("exact.gradient has {} entries in {}D", result.exact_gradient.size(), D),
-                 fmt::format("give {} formulas, or none: the gradient is derived from u.", D));
-  }
+  if (given.exact) compile_exact(*given.exact, time, result, faults);
   faults.check();
+  result.is_nonlinear = any_formula<D>(result.conductivity, &CompiledFormula<D>::uses_state) ||
+                        any_formula<D>(result.source, &CompiledFormula<D>::uses_state);
   return result;
 }
 
@@ -156,9 +214,43 @@ void check_regions(const CaseCoefficient& coefficient, const std::set<int>& regi
 
 }  // namespace
 
+namespace {
+
+/// The hull's markers, and those of anything inside that the mesh knows.
 template <int D>
-void bind_case(const Case& given, const Mesh<D>& mesh, const std::set<int>& hull_markers, CompiledCase<D>& compiled,
-               Observer& observer) {
+std::set<int> known_markers(const Mesh<D>& mesh, const std::set<int>& hull) {
+  std::set<int> known = hull;
+  known.insert(mesh.boundary_marker.begin(), mesh.boundary_marker.end());
+  known.insert(mesh.segment_edge_marker.begin(), mesh.segment_edge_marker.end());
+  known.insert(mesh.vertex_marker.begin(), mesh.vertex_marker.end());
+  if (!hull.contains(0)) known.erase(0);  // What is inside without a marker.
+  return known;
+}
+
+/// The patches of the hull, and of markers inside that have conditions.
+template <int D>
+BoundaryAreas<D> build_boundary(const Case& given, const Mesh<D>& mesh, CompiledCase<D>& compiled, CaseFaults& faults) {
+  BoundaryAreas<D> boundary = build_boundary_areas(mesh);
+  const std::set<int> hull(boundary.patch_marker.begin(), boundary.patch_marker.end());
+  std::set<int> inner;
+  for (const auto& [marker, condition] : given.conditions)
+    if (!hull.contains(marker)) inner.insert(marker);
+  if (!inner.empty()) boundary = build_boundary_areas(mesh, inner);
+  const std::set<int> found(boundary.patch_marker.begin(), boundary.patch_marker.end());
+  const std::set<int> known = known_markers(mesh, hull);
+  for (const auto& [marker, condition] : given.conditions)
+    if (!found.contains(marker))
+      faults.add("case.unknown_marker", condition.place, fmt::format("nothing in the mesh has the marker {}", marker),
+                 known_ids("marker", marker, known) + '.');
+  if (compiled.other_conditions)
+    for (const int marker : hull) compiled.conditions.try_emplace(marker, *compiled.other_conditions);
+  return boundary;
+}
+
+}  // namespace
+
+template <int D>
+BoundaryAreas<D> bind_case(const Case& given, const Mesh<D>& mesh, CompiledCase<D>& compiled, Observer& observer) {
   CaseFaults faults(given.file);
   const std::set<int> regions(mesh.simplex_region.begin(), mesh.simplex_region.end());
   const auto bind = [&](const CaseCoefficient& coefficient, CompiledCoefficient<D>& target) {
@@ -169,36 +261,51 @@ void bind_case(const Case& given, const Mesh<D>& mesh, const std::set<int>& hull
   bind(given.conductivity, compiled.conductivity);
   bind(given.reaction, compiled.reaction);
   bind(given.source, compiled.source);
-  for (const auto& [marker, condition] : given.conditions)
-    if (!hull_markers.contains(marker))
-      faults.add("case.unknown_marker", condition.place, fmt::format("no boundary has the marker {}", marker),
-                 known_ids("marker", marker, hull_markers) + '.');
-  if (compiled.other_conditions)
-    for (const int marker : hull_markers) compiled.conditions.try_emplace(marker, *compiled.other_conditions);
+  bind(given.capacity, compiled.capacity);
+  if (given.time) bind(given.time->initial, compiled.initial);
+  if (given.newton_initial) bind(*given.newton_initial, compiled.newton_initial);
+  BoundaryAreas<D> boundary = build_boundary(given, mesh, compiled, faults);
   faults.check();
+  return boundary;
 }
 
 namespace {
 
 template <int D>
-bool is_constant(const std::map<int, CompiledFormula<D>>& by_region) {
-  return std::all_of(by_region.begin(), by_region.end(), [](const auto& entry) { return entry.second.is_number(); });
+std::map<int, double> to_numbers(const std::map<int, CompiledFormula<D>>& by_region) {
+  std::map<int, double> numbers;
+  for (const auto& [region, formula] : by_region) numbers.emplace(region, formula.number());
+  return numbers;
 }
 
+/// `formula_of(region)` for the regions of a coefficient.
+template <int D, class FormulaOf>
+Coefficient<D> to_function(FormulaOf formula_of, bool uses_state, double t) {
+  if (!uses_state)
+    return RegionFunction<D>([formula_of, t](const Vec<D>& x, int region) { return formula_of(region).value(x, t); });
+  return StateFunction<D>{
+      .value = [formula_of, t](const Vec<D>& x, int region, double u) { return formula_of(region).value(x, t, u); },
+      .derivative = [formula_of, t](const Vec<D>& x, int region,
+                                    double u) { return formula_of(region).derivative_by_u(x, t, u); }};
+}
+
+}  // namespace
+
 template <int D>
-Coefficient<D> to_coefficient(const CompiledCoefficient<D>& compiled) {
+Coefficient<D> to_coefficient(const CompiledCoefficient<D>& compiled, double time) {
+  const bool uses_state = any_formula<D>(compiled, &CompiledFormula<D>::uses_state);
   return std::visit(
-      [](const auto& value) -> Coefficient<D> {
+      [&](const auto& value) -> Coefficient<D> {
         using T = std::decay_t<decltype(value)>;
         if constexpr (std::is_same_v<T, CompiledFormula<D>>) {
           if (value.is_number()) return value.number();
-          return RegionFunction<D>([value](const Vec<D>& x, int) { return value(x); });
+          return to_function<D>([value](int) -> const CompiledFormula<D>& { return value; }, uses_state, time);
         } else if constexpr (std::is_same_v<T, std::map<int, CompiledFormula<D>>>) {
-          if (!is_constant(value))
-            return RegionFunction<D>([value](const Vec<D>& x, int region) { return value.at(region)(x); });
-          std::map<int, double> numbers;
-          for (const auto& [region, formula] : value) numbers.emplace(region, formula.number());
-          return numbers;
+          const bool is_constant =
+              std::none_of(value.begin(), value.end(), [](const auto& entry) { return !entry.second.is_number(); });
+          if (is_constant) return to_numbers<D>(value);
+          return to_function<D>([value](int region) -> const CompiledFormula<D>& { return value.at(region); },
+                                uses_state, time);
         } else {
           return value;
         }
@@ -206,71 +313,88 @@ Coefficient<D> to_coefficient(const CompiledCoefficient<D>& compiled) {
       compiled);
 }
 
+namespace {
+
 template <int D>
-BoundaryValue<D> to_value(const CompiledFormula<D>& formula) {
+BoundaryValue<D> to_value(const CompiledFormula<D>& formula, double t) {
   if (formula.is_number()) return formula.number();
-  return std::function<double(const Vec<D>&)>(formula);
+  return std::function<double(const Vec<D>&)>([formula, t](const Vec<D>& x) { return formula.value(x, t); });
 }
 
 template <int D>
-BoundaryCondition<D> to_condition(const CompiledCondition<D>& condition) {
+BoundaryCondition<D> to_condition(const CompiledCondition<D>& condition, double t) {
   switch (condition.type) {
     case CaseCondition::Type::kNeumann:
-      return Neumann<D>{to_value(condition.value)};
+      return Neumann<D>{to_value(condition.value, t)};
     case CaseCondition::Type::kRobin:
-      return Robin<D>{.transfer = to_value(condition.transfer), .outside = to_value(condition.value)};
+      return Robin<D>{.transfer = to_value(condition.transfer, t), .outside = to_value(condition.value, t)};
+    case CaseCondition::Type::kRate:
+      return Rate<D>{condition.value.value(Vec<D>{}, t)};
     default:
-      return Dirichlet<D>{to_value(condition.value)};
+      return Dirichlet<D>{to_value(condition.value, t)};
   }
 }
 
 }  // namespace
 
 template <int D>
-DiffusionProblem<D> make_problem(const CompiledCase<D>& compiled) {
+DiffusionProblem<D> make_problem(const CompiledCase<D>& compiled, double time) {
   DiffusionProblem<D> problem;
-  problem.conductivity = to_coefficient(compiled.conductivity);
-  problem.reaction = to_coefficient(compiled.reaction);
-  problem.source = to_coefficient(compiled.source);
+  problem.conductivity = to_coefficient<D>(compiled.conductivity, time);
+  problem.reaction = to_coefficient<D>(compiled.reaction, time);
+  problem.source = to_coefficient<D>(compiled.source, time);
   for (const auto& [marker, condition] : compiled.conditions)
-    problem.conditions.emplace(marker, to_condition(condition));
+    problem.conditions.emplace(marker, to_condition(condition, time));
   problem.mean = compiled.mean;
   return problem;
 }
 
 template <int D>
+IdVector<VertexId, double> vertex_values(const CompiledCoefficient<D>& compiled, const Mesh<D>& mesh) {
+  if (const auto* const array = std::get_if<IdVector<VertexId, double>>(&compiled)) return *array;
+  IdVector<VertexId, double> values;
+  if (const auto* const formula = std::get_if<CompiledFormula<D>>(&compiled))
+    for (const Vec<D>& x : mesh.points) values.push_back(formula->value(x, 0));
+  return values;
+}
+
+template <int D>
 std::optional<IdVector<CellId, double>> integrate_source(const CompiledCase<D>& compiled, const CellShapes<D>& shapes,
-                                                         const ControlVolumes<D>& volumes) {
-  const Coefficient<D> source = to_coefficient(compiled.source);
+                                                         const ControlVolumes<D>& volumes, double time) {
+  const Coefficient<D> source = to_coefficient<D>(compiled.source, time);
   const auto* const function = std::get_if<RegionFunction<D>>(&source);
   if (function == nullptr) return std::nullopt;
   return integrate_over_cells(shapes, volumes, *function);
 }
 
 template <int D>
-std::function<double(const Vec<D>&)> exact_solution(const CompiledCase<D>& compiled) {
-  return *compiled.exact;
+std::function<double(const Vec<D>&)> exact_solution(const CompiledCase<D>& compiled, double time) {
+  return [u = *compiled.exact, time](const Vec<D>& x) { return u.value(x, time); };
 }
 
 template <int D>
-std::function<Vec<D>(const Vec<D>&)> exact_gradient(const CompiledCase<D>& compiled) {
-  if (compiled.exact_gradient.empty()) return [u = *compiled.exact](const Vec<D>& x) { return u.gradient(x); };
-  return [parts = compiled.exact_gradient](const Vec<D>& x) {
+std::function<Vec<D>(const Vec<D>&)> exact_gradient(const CompiledCase<D>& compiled, double time) {
+  if (compiled.exact_gradient.empty())
+    return [u = *compiled.exact, time](const Vec<D>& x) { return u.gradient(x, time); };
+  return [parts = compiled.exact_gradient, time](const Vec<D>& x) {
     Vec<D> gradient{};
-    for (int k = 0; k < D; ++k) gradient[k] = parts[static_cast<std::size_t>(k)](x);
+    for (int k = 0; k < D; ++k) gradient[k] = parts[static_cast<std::size_t>(k)].value(x, time);
     return gradient;
   };
 }
 
 #define VOROPACK_FOR_DIMENSION(D)                                                                                 \
   template class CompiledFormula<D>;                                                                              \
+  template bool any_formula(const CompiledCoefficient<D>&, bool (CompiledFormula<D>::*)() const);                 \
   template CompiledCase<D> compile_case(const Case&);                                                             \
-  template void bind_case(const Case&, const Mesh<D>&, const std::set<int>&, CompiledCase<D>&, Observer&);        \
-  template DiffusionProblem<D> make_problem(const CompiledCase<D>&);                                              \
+  template BoundaryAreas<D> bind_case(const Case&, const Mesh<D>&, CompiledCase<D>&, Observer&);                  \
+  template DiffusionProblem<D> make_problem(const CompiledCase<D>&, double);                                      \
+  template Coefficient<D> to_coefficient<D>(const CompiledCoefficient<D>&, double);                               \
+  template IdVector<VertexId, double> vertex_values(const CompiledCoefficient<D>&, const Mesh<D>&);               \
   template std::optional<IdVector<CellId, double>> integrate_source(const CompiledCase<D>&, const CellShapes<D>&, \
-                                                                    const ControlVolumes<D>&);                    \
-  template std::function<double(const Vec<D>&)> exact_solution(const CompiledCase<D>&);                           \
-  template std::function<Vec<D>(const Vec<D>&)> exact_gradient(const CompiledCase<D>&)
+                                                                    const ControlVolumes<D>&, double);            \
+  template std::function<double(const Vec<D>&)> exact_solution(const CompiledCase<D>&, double);                   \
+  template std::function<Vec<D>(const Vec<D>&)> exact_gradient(const CompiledCase<D>&, double)
 VOROPACK_FOR_DIMENSION(2);
 VOROPACK_FOR_DIMENSION(3);
 

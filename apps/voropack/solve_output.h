@@ -1,35 +1,46 @@
 // The files that the command solve writes.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "case.h"
 #include "output_set.h"
-#include "voropack/dual.h"
-#include "voropack/mesh.h"
+#include "solve_case.h"
 
 namespace voropack::app {
 
-/// The files of a run, in their hidden places.
+/// The files of a run, in their hidden places. A series is a .pvd file, with the .vtu files of its states beside it.
 struct StagedSolution {
+  std::vector<std::filesystem::path> names;  ///< As the user knows them.
   std::vector<std::filesystem::path> meshes;
   std::optional<std::filesystem::path> cells, fluxes;
+  bool is_series = false;
 };
 
 /// Throws OptionError io.unknown_format, and as OutputSet::stage.
-StagedSolution stage(const CaseOutputs& outputs, OutputSet& set);
+StagedSolution stage(const CaseOutputs& outputs, bool is_series, OutputSet& set);
 
-/// The solution at the vertices, on the mesh and on the control volumes, as array `u`; with an exact solution also
-/// `error`. Empty arrays are left out.
+/// Writes states of the solution on the mesh (point arrays `u` and, with an exact solution, `error`) and on the control
+/// volumes (cell arrays of the same names).
 template <int D>
-struct SolutionArrays {
-  IdVector<VertexId, double> u, error;
+class SolutionWriter {
+ public:
+  SolutionWriter(const Setting<D>& setting, const StagedSolution& staged) : setting_(setting), staged_(staged) {}
+  void add(double time, const SolutionArrays<D>& arrays);
+  /// Of a series, writes the list of its files.
+  void finish() const;
+
+ private:
+  /// Where the next state of an output goes.
+  [[nodiscard]] std::filesystem::path place(const std::filesystem::path& staged) const;
+
+  const Setting<D>& setting_;
+  const StagedSolution& staged_;
+  std::vector<double> times_;
 };
-
-template <int D>
-void write_solution(const Mesh<D>& mesh, const ControlVolumes<D>& volumes, const CellShapes<D>* shapes,
-                    const SolutionArrays<D>& arrays, const StagedSolution& staged);
 
 }  // namespace voropack::app

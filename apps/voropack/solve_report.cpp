@@ -22,11 +22,14 @@ std::string flux_table(const SolveFigures& figures) {
 }
 
 std::string balance_table(const SolveFigures& figures) {
-  std::string text = fmt::format("{:<18}{:>14}{:>14}{:>14}{:>14}{:>14}{:>12}\n", "region", "volume", "source",
-                                 "absorbed", "boundary", "interfaces", "imbalance");
+  const bool stores = figures.time.has_value();
+  const auto stored = [&](const std::string& word) { return stores ? fmt::format("{:>14}", word) : std::string(); };
+  std::string text = fmt::format("{:<18}{:>14}{:>14}{:>14}{:>14}{:>14}{}{:>12}\n", "region", "volume", "source",
+                                 "absorbed", "boundary", "interfaces", stored("stored"), "imbalance");
   for (const RegionBalance& b : figures.balances)
-    text += fmt::format("{:<18}{:>14}{:>14}{:>14}{:>14}{:>14}{:>12.2g}\n", b.region, number(b.volume), number(b.source),
-                        number(b.absorbed), number(b.boundary_inflow), number(b.interface_inflow), b.imbalance);
+    text += fmt::format("{:<18}{:>14}{:>14}{:>14}{:>14}{:>14}{}{:>12.2g}\n", b.region, number(b.volume),
+                        number(b.source), number(b.absorbed), number(b.boundary_inflow), number(b.interface_inflow),
+                        stored(number(b.stored)), b.imbalance);
   return text;
 }
 
@@ -80,6 +83,68 @@ Json linear_json(const LinearReport& linear) {
   return json;
 }
 
+Json newton_json(const NewtonReport& newton) {
+  Json json = Json::object();
+  set_number(json, "first_residual", newton.first_residual);
+  set_number(json, "residual", newton.residual);
+  json["steps"] = Json::array();
+  for (const NewtonStep& step : newton.steps)
+    json["steps"].push_back(
+        {{"residual", step.residual}, {"damping", step.damping}, {"linear_iterations", step.linear_iterations}});
+  return json;
+}
+
+Json fluxes_json(const std::vector<MarkerFlux>& fluxes) {
+  Json list = Json::array();
+  for (const MarkerFlux& flux : fluxes)
+    list.push_back({{"marker", flux.marker}, {"area", flux.area}, {"inflow", flux.inflow}});
+  return list;
+}
+
+Json balances_json(const std::vector<RegionBalance>& balances, bool with_stored) {
+  Json list = Json::array();
+  for (const RegionBalance& b : balances) {
+    Json json = {{"region", b.region},
+                 {"volume", b.volume},
+                 {"source", b.source},
+                 {"absorbed", b.absorbed},
+                 {"boundary_inflow", b.boundary_inflow},
+                 {"interface_inflow", b.interface_inflow}};
+    if (with_stored) json["stored"] = b.stored;
+    json["imbalance"] = b.imbalance;
+    json["throughput"] = b.throughput;
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+Json time_json(const TimeFigures& time) {
+  const TransientReport& report = time.report;
+  Json json = {{"steps", report.n_steps},
+               {"rejected", report.n_rejected},
+               {"factorizations", report.n_factorizations},
+               {"linear_iterations", report.linear_iterations},
+               {"shortest_step", report.shortest_step},
+               {"longest_step", report.longest_step}};
+  json["series"] = Json::array();
+  for (const TimeRow& row : time.rows) {
+    Json entry = {{"time", row.time}, {"step", row.length}, {"min", row.least}, {"max", row.largest}};
+    entry["linear_iterations"] = row.linear_iterations;
+    if (row.newton_steps > 0) entry["newton_steps"] = row.newton_steps;
+    entry["fluxes"] = fluxes_json(row.fluxes);
+    entry["balances"] = balances_json(row.balances, true);
+    json["series"].push_back(std::move(entry));
+  }
+  return json;
+}
+
+std::string time_line(const TransientReport& report) {
+  std::string text =
+      fmt::format("{} steps of {:.3g} .. {:.3g}", grouped(report.n_steps), report.shortest_step, report.longest_step);
+  if (report.n_rejected > 0) text += fmt::format(", {} rejected", grouped(report.n_rejected));
+  return text;
+}
+
 }  // namespace
 
 std::string solve_tables(const SolveFigures& figures) {
@@ -91,6 +156,10 @@ std::string solve_tables(const SolveFigures& figures) {
     text += fmt::format("{:<18}{} of source was taken away, so that the problem is solvable\n", "compensation",
                         number(figures.compensation));
   text += fmt::format("{:<18}{} .. {}\n", "u", number(figures.least), number(figures.largest));
+  if (figures.time) text += fmt::format("{:<18}{}\n", "time", time_line(figures.time->report));
+  if (figures.newton)
+    text += fmt::format("{:<18}{} steps, residual {:.2g}\n", "Newton", figures.newton->steps.size(),
+                        figures.newton->residual);
   text += fmt::format("{:<18}{}\n", "matrix", matrix_line(figures.matrix));
   return text + fmt::format("{:<18}{}\n", "linear system", linear_line(figures.linear));
 }
@@ -105,22 +174,13 @@ Json solve_json(const SolveFigures& figures) {
                     {"floating", matrix.n_floating}};
   set_number(json["matrix"], "largest_positive", matrix.largest_positive);
   json["linear"] = linear_json(figures.linear);
+  if (figures.newton) json["newton"] = newton_json(*figures.newton);
   if (figures.method == CaseMethod::kControlVolumes) {
-    json["fluxes"] = Json::array();
-    for (const MarkerFlux& flux : figures.fluxes)
-      json["fluxes"].push_back({{"marker", flux.marker}, {"area", flux.area}, {"inflow", flux.inflow}});
-    json["balances"] = Json::array();
-    for (const RegionBalance& b : figures.balances)
-      json["balances"].push_back({{"region", b.region},
-                                  {"volume", b.volume},
-                                  {"source", b.source},
-                                  {"absorbed", b.absorbed},
-                                  {"boundary_inflow", b.boundary_inflow},
-                                  {"interface_inflow", b.interface_inflow},
-                                  {"imbalance", b.imbalance},
-                                  {"throughput", b.throughput}});
+    json["fluxes"] = fluxes_json(figures.fluxes);
+    json["balances"] = balances_json(figures.balances, figures.time.has_value());
     if (figures.compensation != 0) json["compensation"] = figures.compensation;
   }
+  if (figures.time) json["time"] = time_json(*figures.time);
   if (figures.errors) {
     const SolveErrors& errors = *figures.errors;
     Json& object = json["errors"] = Json::object();
@@ -135,8 +195,15 @@ Json solve_json(const SolveFigures& figures) {
 }
 
 std::string fluxes_csv(const SolveFigures& figures) {
-  std::string text = "marker,area,inflow\n";
-  for (const MarkerFlux& flux : figures.fluxes) text += fmt::format("{},{},{}\n", flux.marker, flux.area, flux.inflow);
+  const auto rows = [](const std::string& before, const std::vector<MarkerFlux>& fluxes) {
+    std::string text;
+    for (const MarkerFlux& flux : fluxes)
+      text += fmt::format("{}{},{},{}\n", before, flux.marker, flux.area, flux.inflow);
+    return text;
+  };
+  if (!figures.time) return "marker,area,inflow\n" + rows("", figures.fluxes);
+  std::string text = "time,marker,area,inflow\n";
+  for (const TimeRow& row : figures.time->rows) text += rows(fmt::format("{},", row.time), row.fluxes);
   return text;
 }
 

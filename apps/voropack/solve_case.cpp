@@ -1,0 +1,215 @@
+#include "solve_case.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "figure3.h"
+#include "voropack/error.h"
+#include "voropack/fem.h"
+#include "voropack/nonlinear.h"
+#include "voropack/norms.h"
+#include "voropack/quality.h"
+#include "voropack/transient.h"
+
+namespace voropack::app {
+
+namespace {
+
+/// The solver knows no files: its errors are about the case.
+template <class Work>
+auto blame_case(const std::filesystem::path& file, Work&& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    std::vector<Fault> faults = error.faults();
+    for (Fault& fault : faults)
+      if (fault.file.empty()) fault.file = file.string();
+    throw InputError(std::move(faults));
+  }
+}
+
+template <int D>
+SolveErrors measure_errors(const Setting<D>& setting, const IdVector<VertexId, double>& values, double time) {
+  const auto exact = exact_solution(setting.compiled, time);
+  const auto gradient = exact_gradient(setting.compiled, time);
+  const Mesh<D>& mesh = setting.mesh;
+  const VertexValues errors = vertex_errors<D>(mesh.points, values, exact);
+  SolveErrors result;
+  const auto& areas = setting.volumes.face_area;
+  // Where areas are negative it is no norm.
+  if (std::all_of(areas.begin(), areas.end(), [](double area) { return area >= 0; }))
+    result.w = w_norm(setting.volumes, errors, find_hull_vertices(mesh));
+  result.l2 = l2_error<D>(mesh, values, exact);
+  result.h1 = h1_error<D>(mesh, values, gradient);
+  result.max = max_norm(errors);
+  if constexpr (D == 3) {
+    IdVector<SimplexId, std::uint8_t> is_sliver(mesh.simplex_vertices.size());
+    for (const SimplexId s : ids(is_sliver)) is_sliver[s] = min_dihedral_deg(mesh, s) < kSliverDihedralDeg ? 1 : 0;
+    result.n_slivers = static_cast<std::uint64_t>(std::count(is_sliver.begin(), is_sliver.end(), 1));
+    result.h1_without_slivers = h1_error<D>(mesh, values, gradient, [&](SimplexId s) { return is_sliver[s] == 0; });
+  }
+  return result;
+}
+
+template <int D>
+DiffusionSolution<D> solve_by_finite_elements(const Setting<D>& setting, Observer& observer) {
+  observer.begin_stage("assemble");
+  const DiffusionProblem<D> problem = make_problem(setting.compiled, 0);
+  LinearOptions options = setting.given.newton.linear;
+  if (!setting.given.has_preconditioner) options.preconditioner = fem_linear_options().preconditioner;
+  DiffusionSolution<D> solution;
+  solution.matrix = check_m_matrix(assemble_fem(setting.mesh, problem));
+  LinearSolution linear = solve_fem(setting.mesh, problem, options, observer);
+  solution.values = std::move(linear.values);
+  solution.linear = std::move(linear.report);
+  return solution;
+}
+
+/// The problem at a time, with the integrals of a source that is a formula. Where it does not depend on time, it is
+/// integrated once.
+template <int D>
+class ProblemInTime {
+ public:
+  explicit ProblemInTime(const Setting<D>& setting)
+      : setting_(setting), source_varies_(any_formula<D>(setting.compiled.source, &CompiledFormula<D>::uses_time)) {}
+
+  DiffusionProblem<D> operator()(double time) {
+    DiffusionProblem<D> problem = make_problem(setting_.compiled, time);
+    if (!setting_.shapes) return problem;
+    if (!is_integrated_ || source_varies_)
+      integrals_ = integrate_source(setting_.compiled, *setting_.shapes, setting_.volumes, time);
+    is_integrated_ = true;
+    problem.source_integrals = integrals_;
+    return problem;
+  }
+
+ private:
+  const Setting<D>& setting_;
+  bool source_varies_;
+  bool is_integrated_ = false;
+  std::optional<IdVector<CellId, double>> integrals_;
+};
+
+template <int D>
+void add_flows(DiffusionSolution<D>& solution, SolveFigures& figures) {
+  figures.fluxes = std::move(solution.fluxes);
+  figures.balances = std::move(solution.balances);
+  figures.matrix = solution.matrix;
+  figures.linear = std::move(solution.linear);
+  figures.compensation = solution.compensation;
+}
+
+template <int D>
+IdVector<VertexId, double> solve_stationary(const Setting<D>& setting, SolveFigures& figures, Observer& observer) {
+  DiffusionSolution<D> solution;
+  if (setting.given.method == CaseMethod::kFiniteElements) {
+    solution = solve_by_finite_elements(setting, observer);
+  } else {
+    observer.begin_stage("assemble");
+    const DiffusionProblem<D> problem = ProblemInTime<D>(setting)(0);
+    if (setting.compiled.is_nonlinear) {
+      IdVector<VertexId, double> initial;
+      if (setting.given.newton_initial) initial = vertex_values(setting.compiled.newton_initial, setting.mesh);
+      NonlinearSolution<D> nonlinear =
+          solve_nonlinear(setting.volumes, setting.boundary, problem, initial, setting.given.newton, observer);
+      solution = std::move(nonlinear.state);
+      figures.newton = std::move(nonlinear.newton);
+    } else {
+      solution = solve(setting.volumes, setting.boundary, problem, setting.given.newton.linear, observer);
+    }
+  }
+  add_flows(solution, figures);
+  return std::move(solution.values);
+}
+
+template <int D>
+SolutionArrays<D> to_arrays(const Setting<D>& setting, IdVector<VertexId, double> values, double time) {
+  SolutionArrays<D> arrays;
+  if (setting.compiled.exact)
+    arrays.error = vertex_errors<D>(setting.mesh.points, values, exact_solution(setting.compiled, time));
+  arrays.u = std::move(values);
+  return arrays;
+}
+
+/// Which accepted steps are written: the first to reach each multiple of the interval.
+class Schedule {
+ public:
+  Schedule(const TimeOptions& options, std::optional<double> every)
+      : begin_(options.begin), end_(options.end), every_(every) {}
+
+  bool is_due(double time) {
+    if (!every_ || time >= end_) return false;
+    constexpr double kRounding = 1e-9;  // Of an interval: times are sums of steps.
+    if (time < begin_ + *every_ * (static_cast<double>(next_) - kRounding)) return false;
+    next_ = static_cast<std::uint64_t>((time - begin_) / *every_ + kRounding) + 1;
+    return true;
+  }
+
+ private:
+  double begin_, end_;
+  std::optional<double> every_;
+  std::uint64_t next_ = 1;
+};
+
+template <int D>
+IdVector<VertexId, double> solve_in_time(const Setting<D>& setting, const StateCallback<D>& on_state,
+                                         SolveFigures& figures, Observer& observer) {
+  const CaseTime& time = *setting.given.time;
+  ProblemInTime<D> problem_at(setting);
+  TransientProblem<D> problem;
+  problem.at = [&](double t) { return problem_at(t); };
+  problem.capacity = to_coefficient<D>(setting.compiled.capacity, 0);
+  problem.initial = to_coefficient<D>(setting.compiled.initial, 0);
+  TimeOptions options = time.options;
+  options.newton = setting.given.newton;
+  figures.time.emplace();
+  Schedule schedule(options, setting.given.outputs.every);
+  const auto on_step = [&](const TransientStep<D>& step) {
+    const auto [least, largest] = std::minmax_element(step.values.begin(), step.values.end());
+    figures.time->rows.push_back({.time = step.time,
+                                  .length = step.length,
+                                  .least = *least,
+                                  .largest = *largest,
+                                  .fluxes = step.fluxes,
+                                  .balances = step.balances,
+                                  .linear_iterations = step.linear_iterations,
+                                  .newton_steps = step.newton.size()});
+    if (on_state && schedule.is_due(step.time)) on_state(step.time, to_arrays(setting, step.values, step.time));
+  };
+  TransientSolution<D> solution =
+      solve_transient<D>(setting.volumes, setting.boundary, problem, options, on_step, observer);
+  figures.time->report = solution.report;
+  figures.fluxes = figures.time->rows.back().fluxes;
+  figures.balances = figures.time->rows.back().balances;
+  figures.matrix = solution.matrix;
+  figures.linear = std::move(solution.linear);
+  return std::move(solution.values);
+}
+
+}  // namespace
+
+template <int D>
+Solved<D> solve_case(const Setting<D>& setting, const StateCallback<D>& on_state, Observer& observer) {
+  Solved<D> result;
+  SolveFigures& figures = result.figures;
+  figures.method = setting.given.method;
+  const double end = setting.given.time ? setting.given.time->options.end : 0;
+  IdVector<VertexId, double> values = blame_case(setting.given.file, [&] {
+    return setting.given.time ? solve_in_time(setting, on_state, figures, observer)
+                              : solve_stationary(setting, figures, observer);
+  });
+  const auto [least, largest] = std::minmax_element(values.begin(), values.end());
+  figures.least = *least;
+  figures.largest = *largest;
+  if (setting.compiled.exact) {
+    observer.begin_stage("norms");
+    figures.errors = measure_errors(setting, values, end);
+  }
+  result.arrays = to_arrays(setting, std::move(values), end);
+  return result;
+}
+
+template Solved<2> solve_case(const Setting<2>&, const StateCallback<2>&, Observer&);
+template Solved<3> solve_case(const Setting<3>&, const StateCallback<3>&, Observer&);
+
+}  // namespace voropack::app
