@@ -11,4 +11,9 @@ trap 'rm -rf "$work"' EXIT
 "$here/../run" mesh "$here/../examples/domains/cracks.poly" -o "$work/cracks.node" --quiet
 "$here/../run" plot "$work/cracks.node" -o "$here/pictures/cracks.svg"
 
+for case in heat aquifer; do
+  "$here/../run" solve "$here/../examples/cases/$case.toml" -o "$work/$case.vtu" --quiet
+  "$here/../run" plot "$work/$case.vtu" --array u -o "$here/pictures/$case.svg"
+done
+
 "$here/../run" paper figure3 -o "$here/pictures/figure3.svg"

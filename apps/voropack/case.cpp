@@ -60,7 +60,7 @@ void read_domain_table(CaseTable& table, Case& result) {
   set(wishes.packing.epsilon, table.take_positive("epsilon", 1));
   set(wishes.packing.max_vertices, table.take_whole("max_vertices", 1, std::numeric_limits<std::int64_t>::max()));
   wishes.merge.merge_distance = table.take_not_negative("merge_distance");
-  set(wishes.merge.merge_angle_deg, table.take_positive("merge_angle", kMaxMergeAngleDeg));
+  set(wishes.merge.merge_angle_deg, table.take_below("merge_angle", kMaxMergeAngleDeg));
   table.finish();
 }
 

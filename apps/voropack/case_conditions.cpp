@@ -22,6 +22,12 @@ void refuse(CaseFaults& faults, const CaseValue& value, const std::string& name,
              "for example 2.5 or \"1 + x^2\".");
 }
 
+/// Of keys such as 1 and 01, which are different texts.
+void refuse_twice(const CaseTable& table, const std::string& key) {
+  table.faults().add("case.given_twice", table.key_place(key), fmt::format("{} is given twice", table.full_name(key)),
+                     "leave one of them out.");
+}
+
 CaseArray take_array(CaseTable& table) {
   CaseArray array;
   array.name = table.take_text("array").value_or("");
@@ -38,8 +44,8 @@ std::map<int, CaseFormula> take_regions(CaseTable& table) {
     const std::optional<CaseFormula> formula = to_formula(value, table.full_name(key));
     if (!formula)
       refuse(table.faults(), value, table.full_name(key), "a number or a formula in quotation marks");
-    else if (region)
-      formulas.emplace(*region, *formula);
+    else if (region && !formulas.emplace(*region, *formula).second)
+      refuse_twice(table, key);
   }
   return formulas;
 }
@@ -133,7 +139,8 @@ void read_conditions(CaseTable& file, Case& result) {
       continue;
     }
     const std::optional<int> marker = id_of_key(*boundary, key, "marker, nor \"others\"");
-    if (marker && table) result.conditions.emplace(*marker, take_condition(*table));
+    if (marker && table && !result.conditions.emplace(*marker, take_condition(*table)).second)
+      refuse_twice(*boundary, key);
   }
 }
 

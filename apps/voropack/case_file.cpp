@@ -190,6 +190,11 @@ std::optional<double> CaseTable::take_not_negative(const std::string& key) {
   return take_checked(key, "a number of at least 0", [](double x) { return x >= 0; });
 }
 
+std::optional<double> CaseTable::take_below(const std::string& key, double below) {
+  return take_checked(key, fmt::format("a number of at least 0 and below {}", below),
+                      [&](double x) { return x >= 0 && x < below; });
+}
+
 std::optional<std::uint64_t> CaseTable::take_whole(const std::string& key, std::uint64_t at_least,
                                                    std::uint64_t at_most) {
   const CaseValue* const value = take(key);

@@ -72,6 +72,7 @@ class CaseTable {
   std::optional<double> take_positive(const std::string& key, double at_most);
   std::optional<double> take_positive(const std::string& key);
   std::optional<double> take_not_negative(const std::string& key);
+  std::optional<double> take_below(const std::string& key, double below);  ///< And not negative.
   std::optional<std::uint64_t> take_whole(const std::string& key, std::uint64_t at_least, std::uint64_t at_most);
   /// The number of the name in `names`.
   std::optional<std::size_t> take_choice(const std::string& key, const std::vector<std::string>& names);

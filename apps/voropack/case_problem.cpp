@@ -383,19 +383,28 @@ std::function<Vec<D>(const Vec<D>&)> exact_gradient(const CompiledCase<D>& compi
   };
 }
 
-#define VOROPACK_FOR_DIMENSION(D)                                                                                 \
-  template class CompiledFormula<D>;                                                                              \
-  template bool any_formula(const CompiledCoefficient<D>&, bool (CompiledFormula<D>::*)() const);                 \
-  template CompiledCase<D> compile_case(const Case&);                                                             \
-  template BoundaryAreas<D> bind_case(const Case&, const Mesh<D>&, CompiledCase<D>&, Observer&);                  \
-  template DiffusionProblem<D> make_problem(const CompiledCase<D>&, double);                                      \
-  template Coefficient<D> to_coefficient<D>(const CompiledCoefficient<D>&, double);                               \
-  template IdVector<VertexId, double> vertex_values(const CompiledCoefficient<D>&, const Mesh<D>&);               \
-  template std::optional<IdVector<CellId, double>> integrate_source(const CompiledCase<D>&, const CellShapes<D>&, \
-                                                                    const ControlVolumes<D>&, double);            \
-  template std::function<double(const Vec<D>&)> exact_solution(const CompiledCase<D>&, double);                   \
-  template std::function<Vec<D>(const Vec<D>&)> exact_gradient(const CompiledCase<D>&, double)
-VOROPACK_FOR_DIMENSION(2);
-VOROPACK_FOR_DIMENSION(3);
+template class CompiledFormula<2>;
+template bool any_formula(const CompiledCoefficient<2>&, bool (CompiledFormula<2>::*)() const);
+template CompiledCase<2> compile_case(const Case&);
+template BoundaryAreas<2> bind_case(const Case&, const Mesh<2>&, CompiledCase<2>&, Observer&);
+template DiffusionProblem<2> make_problem(const CompiledCase<2>&, double);
+template Coefficient<2> to_coefficient<2>(const CompiledCoefficient<2>&, double);
+template IdVector<VertexId, double> vertex_values(const CompiledCoefficient<2>&, const Mesh<2>&);
+template std::optional<IdVector<CellId, double>> integrate_source(const CompiledCase<2>&, const CellShapes<2>&,
+                                                                  const ControlVolumes<2>&, double);
+template std::function<double(const Vec<2>&)> exact_solution(const CompiledCase<2>&, double);
+template std::function<Vec<2>(const Vec<2>&)> exact_gradient(const CompiledCase<2>&, double);
+
+template class CompiledFormula<3>;
+template bool any_formula(const CompiledCoefficient<3>&, bool (CompiledFormula<3>::*)() const);
+template CompiledCase<3> compile_case(const Case&);
+template BoundaryAreas<3> bind_case(const Case&, const Mesh<3>&, CompiledCase<3>&, Observer&);
+template DiffusionProblem<3> make_problem(const CompiledCase<3>&, double);
+template Coefficient<3> to_coefficient<3>(const CompiledCoefficient<3>&, double);
+template IdVector<VertexId, double> vertex_values(const CompiledCoefficient<3>&, const Mesh<3>&);
+template std::optional<IdVector<CellId, double>> integrate_source(const CompiledCase<3>&, const CellShapes<3>&,
+                                                                  const ControlVolumes<3>&, double);
+template std::function<double(const Vec<3>&)> exact_solution(const CompiledCase<3>&, double);
+template std::function<Vec<3>(const Vec<3>&)> exact_gradient(const CompiledCase<3>&, double);
 
 }  // namespace voropack::app

@@ -117,6 +117,7 @@ ExitCode solve_on_domain(const Case& given, const DomainInput<D>& input, const S
     session.finish(report, text);
     return ExitCode::kCheckFailed;
   }
+  text += "certificate: ok\n\n";
   setting.mesh = std::move(result.mesh);
   setting.volumes = std::move(result.volumes);
   return finish_case(setting, staged, report, std::move(text), session);

@@ -76,6 +76,10 @@ void write_cells(const CellShapes<D>& shapes, const ControlVolumes<D>& volumes, 
 void write_svg(const Mesh<2>& mesh, const CellShapes<2>& shapes, const ControlVolumes<2>& volumes,
                const std::filesystem::path& path);
 
+/// Writes a 2D mesh with the P1 function of an array of n_vertices values as filled contours between round numbers, and
+/// a scale of their colours, as SVG. Throws: as write_mesh.
+void write_svg(const Mesh<2>& mesh, const NamedArray& colors, const std::filesystem::path& path);
+
 /// Writes text whole or not at all: beside its place, then renamed.
 void write_text(const std::string& text, const std::filesystem::path& path);
 

@@ -4,75 +4,21 @@
 #include <algorithm>
 #include <map>
 
-#include "base/number_text.h"
-#include "io/atomic_file.h"
+#include "io/svg_contours.h"
+#include "io/svg_path.h"
 #include "voropack/io.h"
 
 namespace voropack {
 
-namespace {
+using io::Frame;
+using io::kPictureSize;
+using io::Path;
 
-/// The longer side of the picture. Coordinates get one decimal: a tenth of a unit is far below a pixel on any screen.
-constexpr double kPictureSize = 10000;
-constexpr double kMargin = 0.02 * kPictureSize;
+namespace {
 
 /// Muted fills, apart also in grey and for colour-blind readers (after Paul Tol's "light" scheme).
 constexpr std::array<const char*, 8> kRegionFills = {"#d7e3ef", "#f3e2c7", "#d9ead3", "#efd9dd",
                                                      "#e2daee", "#f1eec9", "#cfe8e6", "#e3e3e0"};
-
-/// Maps the domain to the picture: y upwards becomes y downwards.
-class Frame {
- public:
-  explicit Frame(const Box<2>& box) : box_(box) {
-    const Vec<2> extent = box.empty() ? Vec<2>{1.0, 1.0} : box.hi - box.lo;
-    const double longest = std::max(extent[0], extent[1]);
-    scale_ = longest > 0 ? kPictureSize / longest : 1;
-    width = extent[0] * scale_ + 2 * kMargin;
-    height = extent[1] * scale_ + 2 * kMargin;
-  }
-  [[nodiscard]] std::array<std::int64_t, 2> place(const Vec<2>& p) const {
-    return {std::llround((p[0] - box_.lo[0]) * scale_ + kMargin), std::llround((box_.hi[1] - p[1]) * scale_ + kMargin)};
-  }
-  double width = 0, height = 0;
-
- private:
-  Box<2> box_;
-  double scale_ = 1;
-};
-
-/// The data of one path element. Points are relative to the one before, which keeps the text short.
-class Path {
- public:
-  explicit Path(const Frame& frame) : frame_(frame) {}
-  void move_to(const Vec<2>& p) { add('m', p); }
-  void line_to(const Vec<2>& p) { add('l', p); }
-  void close() {
-    data_ += 'z';
-    at_ = start_;
-    command_ = 'z';
-  }
-  [[nodiscard]] const std::string& data() const { return data_; }
-
- private:
-  void add(char command, const Vec<2>& p) {
-    const auto next = frame_.place(p);
-    if (command != command_) data_ += command;
-    append(next[0] - at_[0], command == command_);
-    append(next[1] - at_[1], true);
-    at_ = next;
-    if (command == 'm') start_ = next;
-    // After a move, further pairs are lines unless said otherwise.
-    command_ = command;
-  }
-  void append(std::int64_t value, bool needs_space) {
-    if (needs_space && value >= 0) data_ += ' ';
-    append_number(data_, value);
-  }
-  const Frame& frame_;
-  std::string data_;
-  std::array<std::int64_t, 2> at_{}, start_{};
-  char command_ = ' ';
-};
 
 /// Chains edges into polylines so that each vertex is written about once.
 void add_chains(Path& path, const IdVector<VertexId, Vec<2>>& points, std::vector<std::array<VertexId, 2>> edges) {
@@ -150,6 +96,35 @@ void write_svg(const Mesh<2>& mesh, const CellShapes<2>& shapes, const ControlVo
   svg += fmt::format("<path id=\"boundary\" stroke=\"#1c2b3a\" stroke-width=\"{:.1f}\" d=\"{}\"/>\n", 2.5 * line,
                      boundary.data());
   svg += "</svg>\n";
+  write_text(svg, path);
+}
+
+void write_svg(const Mesh<2>& mesh, const NamedArray& colors, const std::filesystem::path& path) {
+  const auto fail = [&](std::string message, std::string fix) {
+    throw OptionError(Fault{.id = "io.bad_array",
+                            .message = fmt::format("the array '{}' {}", colors.name, message),
+                            .fix = std::move(fix)});
+  };
+  if (colors.values.size() != mesh.points.size())
+    fail(fmt::format("has {} values for {} vertices", colors.values.size(), mesh.points.size()),
+         "give each vertex one number");
+  for (const double value : colors.values)
+    if (!std::isfinite(value)) fail("has a value that is not finite", "correct it");
+  Box<2> box;
+  for (const Vec<2>& p : mesh.points) box.add(p);
+  const Frame frame(box);
+  const io::ColorScale scale(colors.values);
+  Path boundary(frame);
+  add_chains(boundary, mesh.points, mesh.boundary_vertices.raw());
+  const double width = frame.width + io::kColorBarWidth;
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{2:.0f}\" height=\"{3:.0f}\" "
+      "stroke-linejoin=\"round\" stroke-linecap=\"round\" fill=\"none\">\n<title>{4} on {5} vertices</title>\n"
+      "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
+      width, frame.height, width / 10, frame.height / 10, io::escaped(colors.name), mesh.points.size());
+  svg += io::contour_bands(mesh, colors.values, scale, frame);
+  svg += fmt::format("<path id=\"boundary\" stroke=\"#1c2b3a\" stroke-width=\"24\" d=\"{}\"/>\n", boundary.data());
+  svg += io::color_bar(colors.name, scale, frame) + "</svg>\n";
   write_text(svg, path);
 }
 
