@@ -310,7 +310,7 @@ double Expression::apply_derivative(Op op, double a, double b, double da, double
     case Op::kDivide:
       return times(1 / b, da) - times(a / (b * b), db);
     case Op::kPower:
-      return times(b == 0 ? 0 : b * std::pow(a, b - 1), da) + times(std::pow(a, b) * std::log(a), db);
+      return (da == 0 || b == 0 ? 0 : b * std::pow(a, b - 1) * da) + (db == 0 ? 0 : std::pow(a, b) * std::log(a) * db);
     case Op::kMin:
       return std::isnan(b) || a <= b ? da : db;
     case Op::kMax:
