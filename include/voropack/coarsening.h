@@ -1,0 +1,80 @@
+// From a fine mesh of any origin to a node-nested hierarchy of coarser ones: algorithm COARSEN of [Miller1996],
+// section 4, graded, in the plane and in space.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "voropack/domain.h"
+#include "voropack/index.h"
+#include "voropack/linear_system.h"
+#include "voropack/mesh.h"
+#include "voropack/observer.h"
+
+namespace voropack {
+
+/// What the spacing of the fine mesh is at a vertex.
+enum class InitialSpacing : std::uint8_t {
+  kNearest,   ///< Half the distance to the nearest neighbor [Miller1996, Figure 6].
+  kMeanEdge,  ///< Half the mean length of the edges at the vertex.
+};
+
+/// In which order the vertices of one polytope are tried.
+enum class CoarseningOrder : std::uint8_t {
+  kFront,   ///< From the boundary inwards: fewer vertices, and better shapes.
+  kCurve,   ///< Along a Hilbert curve.
+  kRandom,  ///< As Luby's algorithm would choose them.
+};
+
+struct CoarseningOptions {
+  int levels = 4;  ///< The hierarchy ends earlier where the boundary allows no further coarsening. >= 1.
+  /// Vertices of level i keep a distance that grows by this factor from level to level. > 1.
+  double growth = 2;
+  double lipschitz = 0.2;  ///< Of the spacing function of each level. In (0, 1).
+  InitialSpacing initial = InitialSpacing::kMeanEdge;
+  CoarseningOrder order = CoarseningOrder::kFront;
+  /// f_i = max(growth^i min f_0, f_0), as in Figure 6: for quasi-uniform meshes. Else growth^i f_0, made Lipschitz.
+  bool quasi_uniform = false;
+  /// Boundary faces that meet at less than this angle with equal markers are one facet where they are coplanar up to
+  /// rounding, and a segment where they are not. Degrees.
+  std::uint64_t seed = 1;  ///< For kRandom.
+};
+
+/// One mesh of a hierarchy.
+template <int D>
+struct CoarseLevel {
+  Mesh<D> mesh;                                ///< With f in `vertex_spacing`.
+  IdVector<VertexId, VertexId> finest_vertex;  ///< [n_vertices] the same vertex in the finest mesh.
+  /// [n_vertices] the same vertex one level finer.
+  IdVector<VertexId, VertexId> finer_vertex;
+  /// [n_vertices of the next finer mesh] rows of barycentric coordinates in this mesh: from its vertices to those of
+  /// the finer one. A vertex on a facet or segment is interpolated from that facet or segment, any other one inside its
+  /// own region.
+  SparseMatrix prolongation;
+  /// No point of a region is farther than this, in units of the spacing there, from a vertex that keeps others away: E
+  /// of the check voronoi_maximal.
+  double epsilon = 0;
+  double boundary_distance = 0;  ///< How far the boundary is from that of the finest mesh, at most. Length.
+};
+
+/// Levels 1, 2, ..., each coarser than the one before.
+template <int D>
+struct CoarseningHierarchy {
+  Domain<D> domain;  ///< The polytopes that the boundary of the finest mesh consists of.
+  std::vector<CoarseLevel<D>> levels;
+};
+
+/// Coarsens a boundary-conforming Delaunay mesh. The vertices of each level are some of those of the level before, and
+/// every level is a boundary-conforming Delaunay mesh of the same domain with the same regions and markers.
+///
+/// Built from the coarsest level up, each time from the vertices of the finest mesh, so that shapes do not get worse
+/// from level to level. Where a coarse boundary does not conform, f shrinks, at worst to that of the finest mesh.
+/// Cost: O(n) per level. The same result for any number of threads.
+/// Throws: OptionError coarsen.bad_option.
+///         InputError  coarsen.not_delaunay  if the mesh is not boundary-conforming Delaunay.
+///         Cancelled   if the observer asks to stop.
+template <int D>
+CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, const CoarseningOptions& options = {},
+                               Observer& observer = silent_observer());
+
+}  // namespace voropack
