@@ -35,8 +35,6 @@ struct CoarseningOptions {
   CoarseningOrder order = CoarseningOrder::kFront;
   /// f_i = max(growth^i min f_0, f_0), as in Figure 6: for quasi-uniform meshes. Else growth^i f_0, made Lipschitz.
   bool quasi_uniform = false;
-  /// Boundary faces that meet at less than this angle with equal markers are one facet where they are coplanar up to
-  /// rounding, and a segment where they are not. Degrees.
   std::uint64_t seed = 1;  ///< For kRandom.
 };
 
