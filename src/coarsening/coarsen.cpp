@@ -1,0 +1,222 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "coarsening/fine_mesh.h"
+#include "coarsening/level_packer.h"
+#include "coarsening/prolongation.h"
+#include "geom/circumcenter.h"
+#include "voropack/coarsening.h"
+#include "voropack/delaunay.h"
+#include "voropack/spacing.h"
+
+namespace voropack {
+
+namespace {
+
+/// So often f shrinks on one level before the mesh is given up: it has got to the finest mesh's by then.
+constexpr int kMaxRounds = 60;
+/// A level with more than this part of the vertices of the next finer one is none.
+constexpr double kLeastGain = 0.95;
+
+void check_options(const CoarseningOptions& options) {
+  const auto refuse = [](const char* name, double value, const char* range) {
+    throw OptionError(Fault{.id = "coarsen.bad_option",
+                            .message = fmt::format("{} is {}", name, value),
+                            .fix = fmt::format("give a number {}.", range)});
+  };
+  if (options.levels < 1) refuse("the number of levels", options.levels, "from 1 on");
+  if (!(options.growth > 1 && std::isfinite(options.growth))) refuse("the growth factor", options.growth, "above 1");
+  if (!(options.lipschitz > 0 && options.lipschitz < 1))
+    refuse("the Lipschitz constant", options.lipschitz, "in (0, 1)");
+}
+
+template <int D>
+class Coarsener {
+ public:
+  Coarsener(const Mesh<D>& mesh, const CoarseningOptions& options, Observer& observer)
+      : options_(options),
+        observer_(observer),
+        fine_(mesh, domain_of(mesh, observer), options),
+        spacing_(feature_spacing(fine_.place.domain)) {
+    find_limit(spacing_);
+  }
+
+  CoarseningHierarchy<D> run() {
+    std::vector<PackedLevel<D>> packed = pack_levels();
+    CoarseningHierarchy<D> hierarchy;
+    observer_.begin_stage("coarsening");
+    for (PackedLevel<D>& level : packed) {
+      observer_.check_cancelled();
+      hierarchy.levels.push_back(make_level(std::move(level)));
+    }
+    link_levels(hierarchy);
+    hierarchy.domain = std::move(fine_.place.domain);
+    return hierarchy;
+  }
+
+ private:
+  using Field = IdVector<VertexId, double>;
+
+  /// What the domain allows f to be: b-Lipschitz, and small where polytopes are near to each other.
+  Spacing<D> feature_spacing(const Domain<D>& domain) const {
+    SpacingOptions spacing;
+    spacing.gradation = std::min(options_.lipschitz, 0.4);
+    return build_spacing<D>(domain, {}, spacing, observer_);
+  }
+
+  void find_limit(const Spacing<D>& spacing) {
+    limit_.resize(fine_.mesh.points.size());
+    parallel_for(limit_.size(), [&](std::size_t v) { limit_[VertexId(v)] = spacing(fine_.mesh.points[VertexId(v)]); });
+  }
+
+  /// growth^i f_0, made Lipschitz, for i = 1 .. levels.
+  [[nodiscard]] std::vector<Field> grown_spacings() const {
+    std::vector<Field> fields;
+    Field f = fine_.initial;
+    const double least = *std::min_element(f.begin(), f.end());
+    for (int i = 1; i <= options_.levels; ++i) {
+      observer_.check_cancelled();
+      if (options_.quasi_uniform) {
+        f = fine_.initial;
+        for (double& value : f) value = std::max(value, std::pow(options_.growth, i) * least);
+      } else {
+        for (double& value : f) value *= options_.growth;
+        make_lipschitz(fine_.mesh, fine_.neighbors, options_.lipschitz, f);
+      }
+      fields.push_back(f);
+    }
+    return fields;
+  }
+
+  /// Level 1 first.
+  std::vector<PackedLevel<D>> pack_levels() {
+    observer_.begin_stage("packing");
+    const std::vector<Field> grown = grown_spacings();
+    std::vector<PackedLevel<D>> levels(grown.size());
+    std::vector<std::uint8_t> is_kept(fine_.mesh.points.size(), 0);
+    for (std::size_t i = grown.size(); i-- > 0;) {
+      levels[i] = pack_one(grown[i], is_kept);
+      for (const VertexId v : levels[i].vertex) is_kept[v.value()] = 1;
+    }
+    // The boundary ends coarsening.
+    std::size_t before = fine_.mesh.points.size();
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      const std::size_t n = levels[i].vertex.size();
+      if (static_cast<double>(n) > kLeastGain * static_cast<double>(before)) {
+        levels.resize(i);
+        break;
+      }
+      before = n;
+    }
+    return levels;
+  }
+
+  PackedLevel<D> pack_one(const Field& grown, const std::vector<std::uint8_t>& is_kept) {
+    for (int round = 0; round <= kMaxRounds; ++round) {
+      Field f(grown.size());
+      parallel_for(f.size(), [&](std::size_t i) {
+        const VertexId v(i);
+        f[v] = std::max(fine_.floor[v], std::min(grown[v], limit_[v]));
+      });
+      PackedLevel<D> level = pack_level(fine_, f, is_kept, observer_);
+      if (level.faults.empty()) {
+        find_epsilon(level, f);
+        return level;
+      }
+      observer_.log(LogLevel::kInfo, fmt::format("f shrinks at {} places", level.faults.size()));
+      caps_.insert(caps_.end(), level.faults.begin(), level.faults.end());
+      find_limit(spacing_.with_caps(caps_));
+    }
+    throw InputError(Fault{.id = "coarsen.not_delaunay",
+                           .message =
+                               "the mesh is not boundary-conforming Delaunay: its own vertices lie in protecting "
+                               "balls",
+                           .fix = "make it Delaunay first (--redelaunay); `voropack check` names the places"});
+  }
+
+  /// The largest circumradius of the finest mesh in units of f at the circumcenter.
+  void find_epsilon(PackedLevel<D>& level, const Field& f) {
+    level.epsilon = parallel_reduce_ordered(
+        fine_.mesh.simplex_vertices.size(), 65536, 0.0,
+        [&](std::size_t begin, std::size_t end) {
+          double worst = 0;
+          for (std::size_t s = begin; s < end; ++s) {
+            const auto& corners = fine_.mesh.simplex_vertices[SimplexId(s)];
+            std::array<Vec<D>, D + 1> x;
+            double most = 0;
+            for (std::size_t i = 0; i <= D; ++i) {
+              x[i] = fine_.mesh.points[corners[i]];
+              most = std::max(most, f[corners[i]]);
+            }
+            const double radius = distance(fast_circumcenter(x), x[0]);
+            worst = std::max(worst, radius / (most - options_.lipschitz * radius));
+          }
+          return worst;
+        },
+        [](double a, double b) { return std::max(a, b); });
+  }
+
+  CoarseLevel<D> make_level(PackedLevel<D>&& packed) {
+    CoarseLevel<D> level;
+    level.epsilon = packed.epsilon;
+    std::vector<VertexId> vertex = std::move(packed.vertex);
+    const std::vector<Vec<D>> centers = packed.packing.center.raw();
+    level.mesh = triangulate(fine_.place.domain, std::move(packed.packing), observer_);
+    // The mesh has the same points in another order.
+    const auto sorted = [](const std::vector<Vec<D>>& points) {
+      std::vector<std::uint32_t> order(points.size());
+      for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+      std::sort(order.begin(), order.end(),
+                [&](std::uint32_t a, std::uint32_t b) { return points[a].coord < points[b].coord; });
+      return order;
+    };
+    const std::vector<std::uint32_t> from = sorted(centers), to = sorted(level.mesh.points.raw());
+    level.finest_vertex.resize(vertex.size());
+    for (std::size_t i = 0; i < from.size(); ++i) level.finest_vertex[VertexId(to[i])] = vertex[from[i]];
+    return level;
+  }
+
+  void link_levels(CoarseningHierarchy<D>& hierarchy) const {
+    const std::size_t n = fine_.mesh.points.size();
+    std::vector<VertexId> finer(n);  // In the level before: none if it is not there.
+    for (std::size_t v = 0; v < n; ++v) finer[v] = VertexId(v);
+    const Mesh<D>* mesh = &fine_.mesh;
+    for (CoarseLevel<D>& level : hierarchy.levels) {
+      observer_.check_cancelled();
+      std::vector<VertexId> coarse_of(mesh->points.size());
+      level.finer_vertex.resize(level.mesh.points.size());
+      for (const VertexId v : ids(level.finest_vertex)) {
+        level.finer_vertex[v] = finer[level.finest_vertex[v].value()];
+        coarse_of[level.finer_vertex[v].value()] = v;
+      }
+      level.prolongation = barycentric_prolongation(level.mesh, *mesh, coarse_of);
+      std::fill(finer.begin(), finer.end(), VertexId::none());
+      for (const VertexId v : ids(level.finest_vertex)) finer[level.finest_vertex[v].value()] = v;
+      mesh = &level.mesh;
+    }
+  }
+
+  const CoarseningOptions& options_;
+  Observer& observer_;
+  FineMesh<D> fine_;
+  Spacing<D> spacing_;
+  Field limit_;  ///< What the domain and the caps allow f to be.
+  std::vector<SpacingCap<D>> caps_;
+};
+
+}  // namespace
+
+template <int D>
+CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, const CoarseningOptions& options, Observer& observer) {
+  check_options(options);
+  return Coarsener<D>(mesh, options, observer).run();
+}
+
+template CoarseningHierarchy<2> coarsen(const Mesh<2>&, const CoarseningOptions&, Observer&);
+template CoarseningHierarchy<3> coarsen(const Mesh<3>&, const CoarseningOptions&, Observer&);
+
+}  // namespace voropack

@@ -1,0 +1,41 @@
+// What every level of a hierarchy needs to know of the finest mesh.
+#pragma once
+
+#include <vector>
+
+#include "packing/incidence.h"
+#include "voropack/coarsening.h"
+#include "voropack/mesh_domain.h"
+
+namespace voropack {
+
+/// The vertices that share an edge with each vertex, ascending. O(n), in parallel.
+template <int D>
+Csr<VertexId, VertexId> vertex_neighbors(const Mesh<D>& mesh);
+
+template <int D>
+struct FineMesh {
+  FineMesh(const Mesh<D>& mesh, MeshDomain<D> place, const CoarseningOptions& options);
+
+  const Mesh<D>& mesh;
+  MeshDomain<D> place;
+  Incidence<D> incidence;                 ///< Of the domain.
+  Csr<VertexId, VertexId> neighbors;      ///< By edges.
+  IdVector<VertexId, double> initial;     ///< f_0.
+  IdVector<VertexId, double> floor;       ///< Half the distance to the nearest neighbor: with it all vertices fit.
+  std::vector<VertexId> point_vertices;   ///< By PointId.
+  Csr<FacetId, VertexId> facet_vertices;  ///< 3D: inside each facet, in the order in which they are tried.
+  std::vector<VertexId> interior;         ///< In no polytope below D, in the order in which they are tried.
+
+ private:
+  void find_spacing(const CoarseningOptions& options);
+  void sort_vertices(const CoarseningOptions& options);
+};
+
+/// The largest function below f that grows by at most `lipschitz` along every edge. Sweeps along the vertices and back
+/// until nothing changes: some four in a mesh whose vertices are sorted along a curve.
+template <int D>
+void make_lipschitz(const Mesh<D>& mesh, const Csr<VertexId, VertexId>& neighbors, double lipschitz,
+                    IdVector<VertexId, double>& f);
+
+}  // namespace voropack
