@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "coarsening/completion.h"
 #include "coarsening/fine_mesh.h"
 #include "coarsening/level_packer.h"
 #include "coarsening/prolongation.h"
@@ -43,6 +44,7 @@ class Coarsener {
         fine_(mesh, domain_of(mesh, observer), options),
         spacing_(feature_spacing(fine_.place.domain)) {
     find_limit(spacing_);
+    fitted_.resize(mesh.points.size(), std::numeric_limits<double>::infinity());
   }
 
   CoarseningHierarchy<D> run() {
@@ -120,11 +122,13 @@ class Coarsener {
       Field f(grown.size());
       parallel_for(f.size(), [&](std::size_t i) {
         const VertexId v(i);
-        f[v] = std::max(fine_.floor[v], std::min(grown[v], limit_[v]));
+        f[v] = std::min(std::max(fine_.floor[v], std::min(grown[v], limit_[v])), fitted_[v]);
       });
       PackedLevel<D> level = pack_level(fine_, f, is_kept, observer_);
       if (level.faults.empty()) {
-        find_epsilon(level, f);
+        level.spacing = std::move(f);
+        if (!complete_level(fine_, options_.lipschitz, level, observer_)) find_epsilon(level);
+        for (const SphereId s : ids(level.packing.radius)) fitted_[level.vertex[s.value()]] = level.packing.radius[s];
         return level;
       }
       observer_.log(LogLevel::kInfo, fmt::format("f shrinks at {} places", level.faults.size()));
@@ -139,7 +143,8 @@ class Coarsener {
   }
 
   /// The largest circumradius of the finest mesh in units of f at the circumcenter.
-  void find_epsilon(PackedLevel<D>& level, const Field& f) {
+  void find_epsilon(PackedLevel<D>& level) const {
+    const Field& f = level.spacing;
     level.epsilon = parallel_reduce_ordered(
         fine_.mesh.simplex_vertices.size(), 65536, 0.0,
         [&](std::size_t begin, std::size_t end) {
@@ -204,7 +209,8 @@ class Coarsener {
   Observer& observer_;
   FineMesh<D> fine_;
   Spacing<D> spacing_;
-  Field limit_;  ///< What the domain and the caps allow f to be.
+  Field limit_;   ///< What the domain and the caps allow f to be.
+  Field fitted_;  ///< The radii of vertices that are in a coarser level.
   std::vector<SpacingCap<D>> caps_;
 };
 

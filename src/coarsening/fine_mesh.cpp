@@ -51,25 +51,28 @@ template <int D>
 void make_lipschitz(const Mesh<D>& mesh, const Csr<VertexId, VertexId>& neighbors, double lipschitz,
                     IdVector<VertexId, double>& f) {
   const std::size_t n = mesh.points.size();
-  const auto lower = [&](VertexId v) {
+  // Whether a neighbor has become less since the vertex was looked at.
+  std::vector<std::uint8_t> is_stale(n, 1);
+  bool changed = true;
+  const auto visit = [&](VertexId v) {
+    if (is_stale[v.value()] == 0) return;
+    is_stale[v.value()] = 0;
     double least = f[v];
     for (const VertexId w : neighbors[v]) {
-      // The root is taken only where it matters.
       const double room = least - f[w];
       if (room <= 0) continue;
-      const double d_sq = distance_sq(mesh.points[v], mesh.points[w]) * lipschitz * lipschitz;
-      if (d_sq < room * room) least = f[w] + std::sqrt(d_sq);
+      const double rise_sq = lipschitz * lipschitz * distance_sq(mesh.points[v], mesh.points[w]);
+      if (rise_sq < room * room) least = f[w] + std::sqrt(rise_sq);
     }
-    if (least >= f[v]) return false;
+    if (least >= f[v]) return;
     f[v] = least;
-    return true;
+    changed = true;
+    for (const VertexId w : neighbors[v]) is_stale[w.value()] = 1;
   };
-  for (bool changed = true; changed;) {
+  while (changed) {
     changed = false;
-    for (std::size_t v = 0; v < n; ++v) changed |= lower(VertexId(v));
-    if (!changed) break;
-    changed = false;
-    for (std::size_t v = n; v-- > 0;) changed |= lower(VertexId(v));
+    for (std::size_t v = 0; v < n; ++v) visit(VertexId(v));
+    for (std::size_t v = n; v-- > 0;) visit(VertexId(v));
   }
 }
 

@@ -32,7 +32,14 @@ class LevelPacker {
         is_kept_(is_kept),
         observer_(observer),
         spheres_(domain_.box.center(), 0.5, f[fine.point_vertices.empty() ? VertexId(0) : fine.point_vertices[0]]),
-        balls_(domain_.box.center()) {}
+        kept_spheres_(spheres_),
+        balls_(domain_.box.center()) {
+    for (const VertexId v : ids(f)) {
+      if (is_kept[v.value()] == 0) continue;
+      kept_.push_back(v);
+      kept_spheres_.add({point(v), f[v]});
+    }
+  }
 
   PackedLevel<D> run() {
     for (const VertexId v : fine_.point_vertices) add(v);
@@ -57,11 +64,17 @@ class LevelPacker {
     return s;
   }
 
-  /// True if no sphere overlaps that of v, but for those across a sharp feature.
+  /// True if no sphere overlaps that of v, but for those across a sharp feature: neither those that are there nor those
+  /// that a coarser level will bring.
   [[nodiscard]] bool fits(VertexId v) const {
+    const auto overlaps = [&](const Ball<D>& other, PolytopeId carrier) {
+      return SphereSet<D>::overlap(other, point(v), f_[v]) &&
+             !fine_.incidence.form_sharp_feature(fine_.place.carrier[v], carrier);
+    };
     return !spheres_.visit_near(point(v), f_[v], [&](std::uint32_t s) {
-      return SphereSet<D>::overlap(spheres_[s], point(v), f_[v]) &&
-             !fine_.incidence.form_sharp_feature(fine_.place.carrier[v], result_.packing.carrier[SphereId(s)]);
+      return overlaps(spheres_[s], result_.packing.carrier[SphereId(s)]);
+    }) && !kept_spheres_.visit_near(point(v), f_[v], [&](std::uint32_t s) {
+      return overlaps(kept_spheres_[s], fine_.place.carrier[kept_[s]]);
     });
   }
   [[nodiscard]] bool fits_beside(VertexId v, VertexId w) const {
@@ -149,10 +162,12 @@ class LevelPacker {
       walls.regions.push_back({0, 0});
     }
     const WallLocator<2> borders(std::move(walls));
+    // The far rule holds as far as the finest mesh keeps it.
+    const auto is_far = [&](VertexId v) {
+      return f_[v] <= fine_.floor[v] || !borders.is_near(frame.to_plane(point(v)), 2 * f_[v]);
+    };
     for (const VertexId v : candidates)
-      if (is_kept_[v.value()] == 0 && !balls_.forbids(point(v)) &&
-          !borders.is_near(frame.to_plane(point(v)), 2 * f_[v]) && fits(v))
-        add(v);
+      if (is_kept_[v.value()] == 0 && !balls_.forbids(point(v)) && is_far(v) && fits(v)) add(v);
   }
 
   /// The Delaunay triangulation of what the facet has.
@@ -271,6 +286,8 @@ class LevelPacker {
   const std::vector<std::uint8_t>& is_kept_;
   const Observer& observer_;
   SphereSet<D> spheres_;
+  std::vector<VertexId> kept_;
+  SphereSet<D> kept_spheres_;
   BallSet<D> balls_;                                             ///< Of the subsegments, then of the subfacets.
   std::map<VertexId, SphereId> sphere_of_;                       ///< On the boundary.
   std::map<std::size_t, std::vector<SphereId>> tied_with_ball_;  ///< The corners of its tied polygon.

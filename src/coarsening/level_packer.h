@@ -11,9 +11,10 @@ namespace voropack {
 template <int D>
 struct PackedLevel {
   Packing<D> packing;
-  std::vector<VertexId> vertex;       ///< The finest mesh's vertex of each sphere.
-  std::vector<SpacingCap<D>> faults;  ///< Where f must shrink, because a protecting ball is not empty.
-  double epsilon = 0;                 ///< As CoarseLevel::epsilon.
+  std::vector<VertexId> vertex;        ///< The finest mesh's vertex of each sphere.
+  std::vector<SpacingCap<D>> faults;   ///< Where f must shrink, because a protecting ball is not empty.
+  IdVector<VertexId, double> spacing;  ///< f at every vertex of the finest mesh.
+  double epsilon = 0;                  ///< As CoarseLevel::epsilon.
 };
 
 /// Packs the vertices of `fine` with radii `f`. All with `is_kept` join; then as many others as fit.

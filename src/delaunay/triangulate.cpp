@@ -23,17 +23,7 @@ template <int D>
 Triangulation<D> triangulate_regions(const Domain<D>& domain, const Packing<D>& packing) {
   DelaunayKernel<D> kernel;
   kernel.insert(packing.center.raw());
-  std::vector<ProtectedFace<D>> faces;
-  for (const auto& simplex : wall_simplices(packing)) {
-    ProtectedFace<D> face;
-    for (std::size_t i = 0; i < D; ++i) face.corners[i] = simplex.spheres[i].value();
-    for (std::size_t side = 0; side < 2; ++side) {
-      const RegionId r = domain.wall_regions[simplex.carrier.index][side];
-      face.regions[side] = r.is_none() ? Walls<D>::kOutside : static_cast<int>(r.value());
-    }
-    faces.push_back(face);
-  }
-  const RegionLabels<D> labels = label_regions<D>(kernel, faces);
+  const RegionLabels<D> labels = label_regions<D>(kernel, protected_faces(domain, packing));
   if (!labels.missing_faces.empty() || !labels.leaking_faces.empty())
     throw_not_conforming(labels.missing_faces.size() + labels.leaking_faces.size());
   return export_triangulation(kernel, labels.region);

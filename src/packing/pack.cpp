@@ -67,11 +67,7 @@ PackingProblem<D> interior_problem(const Domain<D>& domain, const Spacing<D>& sp
   problem.bounds = domain.box;
   for (const SphereId s : ids(packing.center)) problem.fixed.push_back({packing.center[s], packing.radius[s]});
   problem.balls = boundary.balls;
-  for (const auto& simplex : wall_simplices(packing)) {
-    ProtectedFace<D> face{{}, regions_of_wall(domain.wall_regions[simplex.carrier.index])};
-    for (std::size_t i = 0; i < D; ++i) face.corners[i] = simplex.spheres[i].value();
-    problem.faces.push_back(face);
-  }
+  problem.faces = protected_faces(domain, packing);
   problem.walls = &walls;
   problem.spacing = {[&spacing](const Vec<D>& x) { return spacing(x); },
                      [&spacing](const Box<D>& box) { return spacing.constant_on(box); }, spacing.lipschitz()};

@@ -30,12 +30,13 @@ Shape<D> shape_of(const Packing<D>& packing, const std::array<std::uint32_t, D +
   return {center, distance_sq(center, x[0]), shortest_sq};
 }
 
-/// Whether two of the corners lie on polytopes, taken closed, that form a sharp feature.
+}  // namespace
+
 template <int D>
-bool is_sharp(const Packing<D>& packing, const Incidence<D>& incidence,
-              const std::array<std::uint32_t, D + 1>& corners) {
+bool has_sharp_pair(const Packing<D>& packing, const Incidence<D>& incidence,
+                    const std::array<std::uint32_t, D + 1>& spheres) {
   std::array<std::vector<PolytopeId>, D + 1> holders;
-  for (std::size_t i = 0; i <= D; ++i) holders[i] = incidence.holders(packing.carrier[SphereId(corners[i])]);
+  for (std::size_t i = 0; i <= D; ++i) holders[i] = incidence.holders(packing.carrier[SphereId(spheres[i])]);
   for (std::size_t i = 0; i < D; ++i)
     for (std::size_t j = i + 1; j <= D; ++j)
       for (const PolytopeId p : holders[i])
@@ -43,8 +44,6 @@ bool is_sharp(const Packing<D>& packing, const Incidence<D>& incidence,
           if (incidence.form_sharp_feature(p, q)) return true;
   return false;
 }
-
-}  // namespace
 
 template <int D>
 std::vector<SpacingCap<D>> stretched_simplices(const Packing<D>& packing, const Incidence<D>& incidence) {
@@ -54,13 +53,15 @@ std::vector<SpacingCap<D>> stretched_simplices(const Packing<D>& packing, const 
                [&](std::size_t i) { is_long[i] = shape_of(packing, simplices[i]).is_stretched() ? 1 : 0; });
   std::vector<SpacingCap<D>> caps;
   for (std::size_t i = 0; i < simplices.size(); ++i) {
-    if (is_long[i] == 0 || is_sharp(packing, incidence, simplices[i])) continue;
+    if (is_long[i] == 0 || has_sharp_pair<D>(packing, incidence, simplices[i])) continue;
     const Shape<D> shape = shape_of(packing, simplices[i]);
     caps.push_back({shape.center, std::sqrt(shape.radius_sq), 0.5 * std::sqrt(shape.shortest_sq)});
   }
   return caps;
 }
 
+template bool has_sharp_pair(const Packing<2>&, const Incidence<2>&, const std::array<std::uint32_t, 3>&);
+template bool has_sharp_pair(const Packing<3>&, const Incidence<3>&, const std::array<std::uint32_t, 4>&);
 template std::vector<SpacingCap<2>> stretched_simplices(const Packing<2>&, const Incidence<2>&);
 template std::vector<SpacingCap<3>> stretched_simplices(const Packing<3>&, const Incidence<3>&);
 

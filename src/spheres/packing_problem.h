@@ -53,6 +53,22 @@ const auto& wall_simplices(const Packing<D>& packing) {
     return packing.subfacets;
 }
 
+/// The protected simplices that bound the regions of `domain`, with the indices of their regions.
+template <int D>
+std::vector<ProtectedFace<D>> protected_faces(const Domain<D>& domain, const Packing<D>& packing) {
+  std::vector<ProtectedFace<D>> faces;
+  for (const auto& simplex : wall_simplices(packing)) {
+    ProtectedFace<D> face{};
+    for (std::size_t i = 0; i < D; ++i) face.corners[i] = simplex.spheres[i].value();
+    for (std::size_t side = 0; side < 2; ++side) {
+      const RegionId r = domain.wall_regions[simplex.carrier.index][side];
+      face.regions[side] = r.is_none() ? Walls<D>::kOutside : static_cast<int>(r.value());
+    }
+    faces.push_back(face);
+  }
+  return faces;
+}
+
 template <int K>
 struct PackingProblem {
   Box<K> bounds;                          ///< Holds every region.

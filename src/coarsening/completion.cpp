@@ -1,0 +1,286 @@
+#include "coarsening/completion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "geom/box_tree.h"
+#include "geom/circumcenter.h"
+#include "geom/kernel.h"
+#include "packing/stretched.h"
+#include "spheres/packing_problem.h"
+#include "spheres/region_labels.h"
+#include "spheres/sphere_set.h"
+
+namespace voropack {
+
+namespace {
+
+/// Each round mends what the one before has left or made. Some three are needed.
+constexpr int kMaxRounds = 20;
+/// What rounding may make of a length.
+constexpr double kSlack = 1e-9;
+
+template <int D>
+class Completer {
+ public:
+  Completer(const FineMesh<D>& fine, double lipschitz, PackedLevel<D>& level, const Observer& observer)
+      : fine_(fine),
+        lipschitz_(lipschitz),
+        level_(level),
+        packing_(level.packing),
+        observer_(observer),
+        balls_(fine.place.domain.box.center()) {
+    for (const auto& e : packing_.subsegments) {
+      const Vec<D> a = packing_.center[e.spheres[0]], b = packing_.center[e.spheres[1]];
+      balls_.add({0.5 * (a + b), 0.5 * distance(a, b)});
+    }
+    if constexpr (D == 3)
+      for (const auto& t : packing_.subfacets) {
+        const Vec<3> a = packing_.center[t.spheres[0]];
+        const Vec<3> c = triangle_circumcenter(a, packing_.center[t.spheres[1]], packing_.center[t.spheres[2]]);
+        balls_.add({c, distance(c, a)});
+      }
+    is_used_.resize(fine.mesh.points.size(), 0);
+    for (const VertexId v : level.vertex) is_used_[v.value()] = 1;
+  }
+
+  bool run() {
+    const std::vector<ProtectedFace<D>> faces = protected_faces(fine_.place.domain, packing_);
+    kernel_.insert(packing_.center.raw());
+    bool is_maximal = false;
+    for (int round = 0;; ++round) {
+      observer_.check_cancelled();
+      make_radii_lipschitz();
+      labels_ = label_regions<D>(kernel_, faces);
+      raise_radii();
+      find_slope();
+      const Wanted wanted = find_wanted();
+      is_maximal = wanted.n_roomy == 0;
+      if (round == kMaxRounds || !insert(wanted.vertices)) break;
+    }
+    if (labels_.missing_faces.empty() && labels_.leaking_faces.empty())
+      packing_.triangulation = export_triangulation(kernel_, labels_.region);
+    return is_maximal;
+  }
+
+ private:
+  struct Wanted {
+    std::vector<VertexId> vertices;  ///< Of the finest mesh.
+    std::size_t n_roomy = 0;         ///< Circumcenters that leave room.
+  };
+
+  /// With the radii as values.
+  [[nodiscard]] BoxTree<D> tree_of_centers() const {
+    std::vector<Box<D>> boxes;
+    boxes.reserve(packing_.center.size());
+    for (const Vec<D>& x : packing_.center) boxes.emplace_back(x, x);
+    return BoxTree<D>(boxes, packing_.radius.raw());
+  }
+
+  void make_radii_lipschitz() {
+    const std::vector<double>& before = packing_.radius.raw();
+    const BoxTree<D> tree = tree_of_centers();
+    std::vector<double> after(before.size());
+    parallel_for(after.size(), [&](std::size_t s) {
+      const Vec<D>& x = packing_.center[SphereId(s)];
+      after[s] = tree.minimize(x, lipschitz_, before[s], [&](std::uint32_t t) {
+        return before[t] + lipschitz_ * distance(x, packing_.center[SphereId(t)]);
+      });
+    });
+    packing_.radius.raw() = std::move(after);
+  }
+
+  /// Vertices are where the finest mesh has some, so that there is often more room than f asks for: the radii take it,
+  /// one after the other, as far as they stay Lipschitz.
+  void raise_radii() {
+    constexpr int kPasses = 2;
+    std::vector<std::array<std::uint32_t, 2>> edges;
+    for (std::uint32_t slot = 0; slot < kernel_.n_slots(); ++slot) {
+      if (!kernel_.is_finite(slot)) continue;
+      const auto corners = kernel_.corners(slot);
+      for (std::size_t i = 0; i <= D; ++i)
+        for (std::size_t j = 0; j <= D; ++j)
+          if (i != j) edges.push_back({corners[i], corners[j]});
+    }
+    parallel_sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    for (int pass = 0; pass < kPasses; ++pass)
+      for (std::size_t e = 0; e < edges.size();) {
+        const SphereId s(edges[e][0]);
+        double most = std::numeric_limits<double>::infinity();
+        for (; e < edges.size() && edges[e][0] == s.value(); ++e) {
+          const SphereId t(edges[e][1]);
+          const double gap = distance(packing_.center[s], packing_.center[t]);
+          most = std::min(most, packing_.radius[t] + lipschitz_ * gap);
+          if (!fine_.incidence.form_sharp_feature(packing_.carrier[s], packing_.carrier[t]))
+            most = std::min(most, gap - packing_.radius[t]);
+        }
+        if (most > packing_.radius[s]) packing_.radius[s] = most;
+      }
+  }
+
+  /// How steep f is along the edges at most.
+  void find_slope() {
+    slope_ = parallel_reduce_ordered(
+        kernel_.n_slots(), 16384, 0.0,
+        [&](std::size_t begin, std::size_t end) {
+          double steepest_sq = 0;
+          for (std::size_t slot = begin; slot < end; ++slot) {
+            if (!kernel_.is_finite(static_cast<std::uint32_t>(slot))) continue;
+            const auto corners = kernel_.corners(static_cast<std::uint32_t>(slot));
+            for (std::size_t i = 0; i < D; ++i)
+              for (std::size_t j = i + 1; j <= D; ++j) {
+                const SphereId s(corners[i]), t(corners[j]);
+                const double rise = packing_.radius[s] - packing_.radius[t];
+                steepest_sq = std::max(steepest_sq, rise * rise / distance_sq(packing_.center[s], packing_.center[t]));
+              }
+          }
+          return std::sqrt(steepest_sq);
+        },
+        [](double a, double b) { return std::max(a, b); });
+  }
+
+  Wanted find_wanted() const {
+    constexpr std::size_t kBlock = 4096;
+    const std::size_t n = kernel_.n_slots();
+    std::vector<Wanted> parts((n + kBlock - 1) / kBlock);
+    parallel_for(
+        parts.size(),
+        [&](std::size_t block) {
+          for (std::size_t slot = block * kBlock; slot < std::min(n, (block + 1) * kBlock); ++slot)
+            consider(static_cast<std::uint32_t>(slot), parts[block]);
+        },
+        1);
+    Wanted all;
+    for (const Wanted& part : parts) {
+      all.vertices.insert(all.vertices.end(), part.vertices.begin(), part.vertices.end());
+      all.n_roomy += part.n_roomy;
+    }
+    return all;
+  }
+
+  void consider(std::uint32_t slot, Wanted& out) const {
+    if (!kernel_.is_finite(slot) || labels_.region[slot] < 0) return;
+    const auto corners = kernel_.corners(slot);
+    std::array<Vec<D>, D + 1> x;
+    double least = std::numeric_limits<double>::infinity(), largest = 0, shortest_sq = least;
+    for (std::size_t i = 0; i <= D; ++i) {
+      x[i] = packing_.center[SphereId(corners[i])];
+      least = std::min(least, packing_.radius[SphereId(corners[i])]);
+      largest = std::max(largest, packing_.radius[SphereId(corners[i])]);
+      for (std::size_t j = 0; j < i; ++j) shortest_sq = std::min(shortest_sq, distance_sq(x[i], x[j]));
+    }
+    const Vec<D> c = fast_circumcenter(x);
+    const double radius = distance(c, x[0]);
+    // f(c) is at most `least` + slope R, and a sphere of that radius fits if it overlaps none at the corners.
+    const bool is_roomy = radius > (least + slope_ * radius + largest) * (1 + kSlack);
+    const bool is_long = radius * radius > kRadiusEdge * kRadiusEdge * shortest_sq;
+    if ((!is_roomy && !is_long) || balls_.forbids(c)) return;
+    if (is_roomy) ++out.n_roomy;
+    if (!is_roomy && is_sharp(corners)) return;
+    const VertexId v = nearest_usable(nearest_vertex(level_.vertex[corners[0]], c), c);
+    if (!v.is_none()) out.vertices.push_back(v);
+  }
+
+  [[nodiscard]] bool is_usable(VertexId v) const {
+    return is_used_[v.value()] == 0 && fine_.place.carrier[v].dimension == D && !balls_.forbids(fine_.mesh.points[v]);
+  }
+
+  /// v, or the nearest to x of those beside it; none if there is none.
+  [[nodiscard]] VertexId nearest_usable(VertexId v, const Vec<D>& x) const {
+    if (is_usable(v)) return v;
+    VertexId best = VertexId::none();
+    double least = std::numeric_limits<double>::infinity();
+    for (const VertexId w : fine_.neighbors[v])
+      if (const double d = distance_sq(fine_.mesh.points[w], x); d < least && is_usable(w)) least = d, best = w;
+    return best;
+  }
+
+  [[nodiscard]] bool is_sharp(const std::array<std::uint32_t, D + 1>& corners) const {
+    return has_sharp_pair<D>(packing_, fine_.incidence, corners);
+  }
+
+  /// Downhill along the edges of the finest mesh: a Delaunay triangulation has no other minimum.
+  [[nodiscard]] VertexId nearest_vertex(VertexId v, const Vec<D>& x) const {
+    for (double least = distance_sq(fine_.mesh.points[v], x);;) {
+      VertexId best = v;
+      for (const VertexId w : fine_.neighbors[v])
+        if (const double d = distance_sq(fine_.mesh.points[w], x); d < least) least = d, best = w;
+      if (best == v) return v;
+      v = best;
+    }
+  }
+
+  /// Adds vertices, but none beside another new one. False if there is none.
+  bool insert(const std::vector<VertexId>& wanted) {
+    const BoxTree<D> tree = tree_of_centers();
+    const std::size_t n_before = packing_.center.size();
+    std::vector<Vec<D>> points;
+    std::vector<std::uint32_t> hints;
+    std::vector<std::uint8_t> is_taken(n_before, 0);
+    SphereSet<D> added(fine_.place.domain.box.center(), lipschitz_, packing_.radius[SphereId(0)]);
+    for (const VertexId v : wanted) {
+      if (is_used_[v.value()] != 0) continue;
+      const Vec<D>& x = fine_.mesh.points[v];
+      const auto distance_to = [&](std::uint32_t s) { return distance(x, packing_.center[SphereId(s)]); };
+      std::uint32_t nearest = 0;
+      double gap = std::numeric_limits<double>::infinity();
+      tree.minimize(x, 1, gap, [&](std::uint32_t s) {
+        const double d = distance_to(s);
+        if (d < gap) gap = d, nearest = s;
+        return d;
+      });
+      // A sphere s that overlaps the new one has r_s <= r_nearest + b (d_s + gap) and d_s < gap / 2 + r_s.
+      const double near = packing_.radius[SphereId(nearest)] + gap;
+      const double reach = (0.5 * gap + near + lipschitz_ * gap) / (1 - lipschitz_);
+      std::vector<std::uint32_t> touched;
+      tree.for_each([&](const Box<D>& box) { return box.distance_sq(x) <= reach * reach; },
+                    [&](std::uint32_t s) {
+                      if (distance_to(s) < reach) touched.push_back(s);
+                    });
+      if (std::ranges::any_of(touched, [&](std::uint32_t s) { return is_taken[s] != 0; })) continue;
+      if (added.conflicts(x, 0.5 * gap)) continue;
+      added.add({x, 0.5 * gap});
+      for (const std::uint32_t s : touched) {
+        is_taken[s] = 1;
+        double& radius = packing_.radius[SphereId(s)];
+        radius = std::min(radius, distance_to(s) - 0.5 * gap);
+      }
+      is_used_[v.value()] = 1;
+      packing_.center.push_back(x);
+      packing_.radius.push_back(0.5 * gap);
+      packing_.carrier.push_back(fine_.place.carrier[v]);
+      level_.vertex.push_back(v);
+      points.push_back(x);
+      hints.push_back(nearest);
+    }
+    if (points.empty()) return false;
+    kernel_.insert(points, hints);
+    return true;
+  }
+
+  const FineMesh<D>& fine_;
+  double lipschitz_;
+  PackedLevel<D>& level_;
+  Packing<D>& packing_;
+  const Observer& observer_;
+  BallSet<D> balls_;
+  DelaunayKernel<D> kernel_;
+  RegionLabels<D> labels_;
+  double slope_ = 0;                   ///< Largest measured one of the radii.
+  std::vector<std::uint8_t> is_used_;  ///< By vertex of the finest mesh.
+};
+
+}  // namespace
+
+template <int D>
+bool complete_level(const FineMesh<D>& fine, double lipschitz, PackedLevel<D>& level, const Observer& observer) {
+  return Completer<D>(fine, lipschitz, level, observer).run();
+}
+
+template bool complete_level(const FineMesh<2>&, double, PackedLevel<2>&, const Observer&);
+template bool complete_level(const FineMesh<3>&, double, PackedLevel<3>&, const Observer&);
+
+}  // namespace voropack
