@@ -97,17 +97,6 @@ void add_quality(Json& json, const QualityReport& q) {
   json["dual"] = std::move(dual);
 }
 
-Json certificate_json(const Certificate& certificate) {
-  Json checks = Json::array();
-  for (const Certificate::Check& check : certificate.checks) {
-    Json json = {{"name", check.name}, {"ok", check.ok}, {"tested", check.tested}, {"violations", check.violations}};
-    if (check.worst) set_number(json, "worst", *check.worst);
-    if (!check.where.empty()) json["where"] = check.where;
-    checks.push_back(std::move(json));
-  }
-  return {{"ok", certificate.ok}, {"checks", std::move(checks)}};
-}
-
 /// In the order of the stages; names that the order does not know follow.
 Json timing_json(const StageTimes& times) {
   constexpr std::array<std::string_view, 11> kOrder = {"read",  "spacing", "packing",     "delaunay",
@@ -140,6 +129,17 @@ std::uint64_t peak_memory_bytes() {
 }
 
 }  // namespace
+
+Json certificate_json(const Certificate& certificate) {
+  Json checks = Json::array();
+  for (const Certificate::Check& check : certificate.checks) {
+    Json json = {{"name", check.name}, {"ok", check.ok}, {"tested", check.tested}, {"violations", check.violations}};
+    if (check.worst) set_number(json, "worst", *check.worst);
+    if (!check.where.empty()) json["where"] = check.where;
+    checks.push_back(std::move(json));
+  }
+  return {{"ok", certificate.ok}, {"checks", std::move(checks)}};
+}
 
 InputFile describe_file(const std::filesystem::path& path, std::optional<int> dimension) {
   InputFile input;
@@ -191,6 +191,7 @@ Json to_json(const Report& report) {
   if (report.certificate) json["certificate"] = certificate_json(*report.certificate);
   if (report.solve) json["solve"] = *report.solve;
   if (report.figure3) json["figure3"] = *report.figure3;
+  if (report.levels) json["levels"] = *report.levels;
   json["timing_s"] = timing_json(report.times);
   json["threads"] = report.threads;
   json["peak_memory_bytes"] = peak_memory_bytes();

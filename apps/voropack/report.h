@@ -44,12 +44,16 @@ struct Report {
   std::optional<Json> costliest_features;
   std::optional<Json> figure3;
   std::optional<Json> solve;
+  std::optional<Json> levels;  ///< Of a hierarchy, the finest coarse one first.
   StageTimes times;
   int threads = 0;
 };
 
 /// The report as documented, with version, commit and peak memory added.
 Json to_json(const Report& report);
+
+/// A certificate as the report has it.
+Json certificate_json(const Certificate& certificate);
 
 /// Name and hash of a file; counts are for the caller to fill in.
 InputFile describe_file(const std::filesystem::path& path, std::optional<int> dimension);

@@ -106,19 +106,31 @@ class Completer {
     }
     parallel_sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    const BoxTree<D> tree = tree_of_centers();
     for (int pass = 0; pass < kPasses; ++pass)
       for (std::size_t e = 0; e < edges.size();) {
         const SphereId s(edges[e][0]);
         double most = std::numeric_limits<double>::infinity();
-        for (; e < edges.size() && edges[e][0] == s.value(); ++e) {
-          const SphereId t(edges[e][1]);
-          const double gap = distance(packing_.center[s], packing_.center[t]);
-          most = std::min(most, packing_.radius[t] + lipschitz_ * gap);
-          if (!fine_.incidence.form_sharp_feature(packing_.carrier[s], packing_.carrier[t]))
-            most = std::min(most, gap - packing_.radius[t]);
-        }
-        if (most > packing_.radius[s]) packing_.radius[s] = most;
+        for (; e < edges.size() && edges[e][0] == s.value(); ++e)
+          most = std::min(most, room_beside(s, SphereId(edges[e][1])));
+        if (most <= packing_.radius[s]) continue;
+        // What is not adjacent may be nearer than the sum of two radii, too. All radii near are below `largest`.
+        const double largest = most * (1 + lipschitz_) / (1 - lipschitz_), reach = most + 2 * largest;
+        tree.for_each([&](const Box<D>& box) { return box.distance_sq(packing_.center[s]) <= reach * reach; },
+                      [&](std::uint32_t t) {
+                        if (t != s.value()) most = std::min(most, room_beside(s, SphereId(t)));
+                      });
+        packing_.radius[s] = std::max(packing_.radius[s], most);
       }
+    make_radii_lipschitz();
+  }
+
+  /// How large the radius at s may be for the sake of t.
+  [[nodiscard]] double room_beside(SphereId s, SphereId t) const {
+    const double gap = distance(packing_.center[s], packing_.center[t]);
+    const double slope_allows = packing_.radius[t] + lipschitz_ * gap;
+    if (fine_.incidence.form_sharp_feature(packing_.carrier[s], packing_.carrier[t])) return slope_allows;
+    return std::min(slope_allows, gap - packing_.radius[t]);
   }
 
   /// How steep f is along the edges at most.
