@@ -59,10 +59,11 @@ struct MeshArrays {
   std::vector<NamedArray> simplex;  ///< Each with n_simplices values.
 };
 
-/// Writes a mesh by extension: .node (with .ele and .face, .edge) or .vtu, which alone can hold `arrays`. Each file is
-/// written beside its place and renamed, so that an interrupted or failed run leaves nothing half-written. Missing
-/// parent folders are made. Throws: InputError io.cannot_write (disk full, no permission), OptionError
-/// io.unknown_format, io.bad_array (length, name, or format without arrays).
+/// Writes a mesh by extension: .node (with .ele and .face, .edge), where `arrays` become further attributes without
+/// names, or .vtu. Each file is written beside its place and renamed, so that an interrupted or failed run leaves
+/// nothing half-written. Missing parent folders are made. Throws: InputError io.cannot_write (disk full, no
+/// permission), OptionError io.unknown_format, io.bad_array (length, name, or attributes of .node without the spacing
+/// before them).
 template <int D>
 void write_mesh(const Mesh<D>& mesh, const std::filesystem::path& path, const MeshArrays& arrays = {});
 

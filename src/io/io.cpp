@@ -80,14 +80,7 @@ template <int D>
 void write_mesh(const Mesh<D>& mesh, const std::filesystem::path& path, const MeshArrays& arrays) {
   const std::string extension = io::lower_extension(path);
   if (extension == ".vtu") return io::write_vtu_mesh(mesh, path, arrays);
-  if (extension == ".node") {
-    if (!arrays.vertex.empty() || !arrays.simplex.empty())
-      throw OptionError(Fault{.id = "io.bad_array",
-                              .message = "files .node and .ele have no room for further arrays",
-                              .fix = "end the name with .vtu",
-                              .file = path.string()});
-    return io::write_node_mesh(mesh, path);
-  }
+  if (extension == ".node") return io::write_node_mesh(mesh, path, arrays);
   throw OptionError(Fault{.id = "io.unknown_format",
                           .message = fmt::format("no mesh format has the extension {}", io::quote(extension)),
                           .fix = "end the name with .node or .vtu",

@@ -10,7 +10,7 @@ namespace voropack::io {
 
 /// .node, .ele, .edge and in 3D .face: all or none of them.
 template <int D>
-void write_node_mesh(const Mesh<D>& mesh, const std::filesystem::path& path);
+void write_node_mesh(const Mesh<D>& mesh, const std::filesystem::path& path, const MeshArrays& arrays);
 
 template <int D>
 void write_vtu_mesh(const Mesh<D>& mesh, const std::filesystem::path& path, const MeshArrays& arrays);

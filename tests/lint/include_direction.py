@@ -14,9 +14,10 @@ import sys
 import tempfile
 
 # Public headers in the order of the data; each may include those before it.
-PUBLIC = ["index", "error", "expression", "vec", "observer", "mesh", "domain", "spacing", "packing", "delaunay",
-          "dual", "boundary_areas", "cell_integrals", "io", "quality", "certificate", "pipeline", "linear_system",
-          "diffusion", "nonlinear", "transient", "multigrid", "fem", "norms"]
+PUBLIC = ["index", "error", "expression", "vec", "observer", "mesh", "domain", "mesh_domain", "spacing", "packing",
+          "delaunay", "dual", "boundary_areas", "cell_integrals", "io", "quality", "certificate", "pipeline",
+          "linear_system", "diffusion", "nonlinear", "transient", "multigrid", "fem", "norms", "coarsening"]
+BASICS = ["index", "error", "expression", "vec", "observer"]
 BASICS = ["index", "error", "expression", "vec", "observer"]
 
 
@@ -47,6 +48,8 @@ FOLDERS = {
     # The refusals and the handling of problems without conditions are those of the control volume method.
     "fem": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion", "fem"],
             ["base", "geom", "mesh", "solve/faults.h", "solve/floating_parts.h"]),
+    "mesh_domain": (BASICS + ["mesh", "domain", "mesh_domain"], ["base", "geom", "mesh"]),
+    "coarsening": (up_to("delaunay") + ["linear_system", "coarsening"], ["base", "geom", "mesh", "spheres", "packing"]),
     "norms": (BASICS + ["mesh", "dual", "norms"], ["base", "geom", "mesh"]),
 }
 
