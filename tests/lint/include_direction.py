@@ -18,7 +18,6 @@ PUBLIC = ["index", "error", "expression", "vec", "observer", "mesh", "domain", "
           "delaunay", "dual", "boundary_areas", "cell_integrals", "io", "quality", "certificate", "pipeline",
           "linear_system", "diffusion", "nonlinear", "transient", "multigrid", "fem", "norms", "coarsening"]
 BASICS = ["index", "error", "expression", "vec", "observer"]
-BASICS = ["index", "error", "expression", "vec", "observer"]
 
 
 def up_to(name):
