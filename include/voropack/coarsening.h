@@ -75,4 +75,55 @@ template <int D>
 CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, const CoarseningOptions& options = {},
                                Observer& observer = silent_observer());
 
+/// What may be done for better shapes once a level is packed.
+enum class LocalImprovement : std::uint8_t {
+  kNone,    ///< Nothing.
+  kPacked,  ///< Vertices are exchanged, but f-spheres do not overlap.
+  kFree,    ///< Vertices are exchanged, added and removed, and `largest_overlap` says how much packing that gave up.
+};
+
+/// Settings of `coarsen_beyond_boundary`.
+struct BeyondBoundaryOptions {
+  int levels = 4;     ///< >= 1.
+  double growth = 2;  ///< f_i = growth^i f_0, made Lipschitz. > 1.
+  /// Instead of `levels` and `growth`: numbers of vertices of levels 1, 2, ..., falling. The growth of each level is
+  /// the one that comes closest from below; where no growth suffices, the Lipschitz constant is raised for that level.
+  std::vector<std::size_t> target_vertices;
+  double lipschitz = 0.1;  ///< Of the spacing function of each level. In (0, 1).
+  InitialSpacing initial = InitialSpacing::kMeanEdge;
+  CoarseningOrder order = CoarseningOrder::kFront;
+  int restarts = 1;  ///< Packings tried per level, with different seeds; the best shapes are taken. >= 1.
+  LocalImprovement improvement = LocalImprovement::kFree;
+  int trials = 300;               ///< Exchanges tried per vertex of a level. >= 0.
+  double max_area_change = 0.02;  ///< Of each region, as a part of its area. In (0, 1).
+  std::uint64_t seed = 1;
+};
+
+/// A level with a simplified boundary. No `prolongation`, `epsilon` is not measured.
+struct SimplifiedLevel : CoarseLevel<2> {
+  double growth = 1;           ///< f = growth f_0, made Lipschitz.
+  double lipschitz = 0;        ///< With this constant.
+  double area_change = 0;      ///< The largest one of a region, as a part of its area.
+  double largest_overlap = 0;  ///< Of two f-spheres: 1 - distance / sum of the radii. 0 if it is a packing.
+  std::size_t n_exchanges = 0;
+};
+
+/// Coarsens a Delaunay mesh in the plane and its boundary with it, beyond what keeps the domain's shape.
+///
+/// The vertices of each level are some of those of the level before. Its boundary passes some of the boundary vertices
+/// in the order of the original one; it does not cross itself, holes stay holes and interfaces interfaces, with their
+/// markers. Each level is the boundary-conforming Delaunay mesh of the domain that its own boundary encloses: diametral
+/// balls of boundary edges are empty, and no triangle is left out.
+///
+/// Built from the coarsest level up. A level is packed with vertices of the finest mesh, boundary chains first; where
+/// the boundary does not conform, vertices are left out (tips of wedges that are too thin for f), or f is halved. Then
+/// vertices are exchanged by simulated annealing, except for those of the next coarser level.
+/// Cost: O(n log n) per packing, and `trials` local changes per vertex. Deterministic.
+/// Throws: OptionError coarsen.bad_option, coarsen.plane_only (in 3D).
+///         InputError  coarsen.not_conforming, coarsen.not_an_edge.
+///         Cancelled   if the observer asks to stop.
+template <int D>
+std::vector<SimplifiedLevel> coarsen_beyond_boundary(const Mesh<D>& mesh, const BeyondBoundaryOptions& options = {},
+                                                     Observer& observer = silent_observer());
+
 }  // namespace voropack

@@ -1,0 +1,226 @@
+// Coarsening beyond the boundary: level by level from the coarsest one up, packed, then improved.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/random.h"
+#include "coarsening/improve_level.h"
+#include "coarsening/planar_packer.h"
+#include "voropack/coarsening.h"
+#include "voropack/error.h"
+
+namespace voropack {
+
+namespace {
+
+constexpr double kMaxGrowth = 1000;      // More changes nothing: f is what its Lipschitz condition allows.
+constexpr double kMaxLipschitz = 0.7;    // Beyond, shapes are not worth having.
+constexpr double kLipschitzStep = 1.25;  // What the constant is raised by where growth does not suffice.
+constexpr int kBisections = 12;          // Growth to about 0.2 %.
+constexpr double kRestartSpread = 0.1;   // Restarts vary the growth by this, as far as the number of vertices allows.
+constexpr double kFewestVertices =
+    0.85;  // An improvement may take away vertices down to this part of the wished number.
+
+[[noreturn]] void throw_bad_option(const std::string& message, const std::string& fix) {
+  throw OptionError(Fault{.id = "coarsen.bad_option", .message = message, .fix = fix});
+}
+
+void check_options(const BeyondBoundaryOptions& o) {
+  if (o.levels < 1) throw_bad_option(fmt::format("levels is {}", o.levels), "take at least 1");
+  if (!(o.growth > 1)) throw_bad_option(fmt::format("growth is {}", o.growth), "take more than 1");
+  if (!(o.lipschitz > 0 && o.lipschitz < 1))
+    throw_bad_option(fmt::format("the Lipschitz constant is {}", o.lipschitz), "take a number between 0 and 1");
+  if (o.restarts < 1) throw_bad_option(fmt::format("restarts is {}", o.restarts), "take at least 1");
+  if (o.trials < 0) throw_bad_option(fmt::format("trials is {}", o.trials), "take at least 0");
+  if (!(o.max_area_change > 0 && o.max_area_change < 1))
+    throw_bad_option(fmt::format("max_area_change is {}", o.max_area_change), "take a number between 0 and 1");
+  for (std::size_t i = 1; i < o.target_vertices.size(); ++i)
+    if (o.target_vertices[i] >= o.target_vertices[i - 1])
+      throw_bad_option("the numbers of vertices do not fall from level to level", "give them from fine to coarse");
+}
+
+class Hierarchy {
+ public:
+  Hierarchy(const Mesh<2>& mesh, const BeyondBoundaryOptions& options, Observer& observer)
+      : mesh_(mesh),
+        options_(options),
+        observer_(observer),
+        fine_(find_chains(mesh)),
+        packer_(mesh, fine_, options.initial, observer) {}
+
+  std::vector<SimplifiedLevel> build() {
+    const std::size_t n_levels =
+        options_.target_vertices.empty() ? static_cast<std::size_t>(options_.levels) : options_.target_vertices.size();
+    std::vector<SimplifiedLevel> levels(n_levels);
+    for (std::size_t i = n_levels; i-- > 0;) {
+      observer_.progress(n_levels - 1 - i, n_levels);
+      PlanarPacking packed = pack(i);
+      const std::size_t n_exchanges = improve(i, packed);
+      levels[i] = finish(packed);
+      levels[i].n_exchanges = n_exchanges;
+      bound_ = std::move(packed.spacing);
+      kept_.clear();
+      for (const VertexId v : levels[i].finest_vertex) kept_.push_back(v.value());
+    }
+    // Each vertex of a level is one of the next finer level, too.
+    for (std::size_t i = 0; i < n_levels; ++i)
+      for (const VertexId v : levels[i].finest_vertex) {
+        if (i == 0) {
+          levels[i].finer_vertex.push_back(v);
+          continue;
+        }
+        const auto& finer = levels[i - 1].finest_vertex;
+        levels[i].finer_vertex.push_back(
+            VertexId(static_cast<std::size_t>(std::lower_bound(finer.begin(), finer.end(), v) - finer.begin())));
+      }
+    return levels;
+  }
+
+ private:
+  [[nodiscard]] PackingWish wish(std::size_t i) const {
+    PackingWish w;
+    w.growth = std::pow(options_.growth, static_cast<double>(i + 1));
+    w.lipschitz = options_.lipschitz;
+    w.kept = kept_;
+    w.bound = bound_;
+    w.are_tips_kept = options_.improvement == LocalImprovement::kFree;
+    w.order = options_.order;
+    w.max_area_change = options_.max_area_change;
+    return w;
+  }
+
+  /// The packing that comes closest to a number of vertices from below; the smallest one if there is none below.
+  [[nodiscard]] PlanarPacking pack_number(PackingWish w, std::size_t n_wanted) const {
+    std::optional<PlanarPacking> best;
+    for (; !best || best->level.n_vertices() > n_wanted; w.lipschitz *= kLipschitzStep) {
+      if (best && w.lipschitz > kMaxLipschitz) break;
+      w.growth = kMaxGrowth;
+      PlanarPacking packed = packer_.pack(w);
+      if (!best || packed.level.n_vertices() < best->level.n_vertices()) best = std::move(packed);
+      if (best->level.n_vertices() <= n_wanted) break;
+    }
+    double low = 0, high = std::log(kMaxGrowth);
+    for (int k = 0; k < kBisections; ++k) {
+      const double middle = 0.5 * (low + high);
+      w.growth = std::exp(middle);
+      PlanarPacking packed = packer_.pack(w);
+      const std::size_t n = packed.level.n_vertices();
+      (n <= n_wanted ? high : low) = middle;
+      if (n <= n_wanted && n >= best->level.n_vertices()) best = std::move(packed);
+    }
+    return std::move(*best);
+  }
+
+  [[nodiscard]] PlanarPacking pack(std::size_t i) const {
+    PackingWish w = wish(i);
+    std::optional<std::size_t> n_wanted;
+    if (!options_.target_vertices.empty()) n_wanted = options_.target_vertices[i];
+    PlanarPacking best = n_wanted ? pack_number(w, *n_wanted) : packer_.pack(w);
+    const double growth = best.growth;
+    w.lipschitz = best.lipschitz;
+    double quality = worst_quality(best.level);
+    for (int k = 1; k < options_.restarts; ++k) {
+      w.seed = hash_words(options_.seed, std::uint64_t{i}, static_cast<std::uint64_t>(k)) | 1U;
+      if (n_wanted) w.growth = growth * (1 + kRestartSpread * (to_unit(w.seed) - 0.2));
+      PlanarPacking other = packer_.pack(w);
+      if (n_wanted && other.level.n_vertices() > *n_wanted) continue;
+      if (const double q = worst_quality(other.level); q > quality) {
+        quality = q;
+        best = std::move(other);
+      }
+    }
+    return best;
+  }
+
+  std::size_t improve(std::size_t i, PlanarPacking& packed) const {
+    if (options_.improvement == LocalImprovement::kNone) return 0;
+    const std::size_t n = options_.target_vertices.empty() ? packed.level.n_vertices() : options_.target_vertices[i];
+    ImprovementWish w;
+    w.kept = kept_;
+    w.min_vertices = static_cast<std::size_t>(kFewestVertices * static_cast<double>(n));
+    w.max_vertices = n;
+    w.seed = hash_words(options_.seed, std::uint64_t{i});
+    w.trials = static_cast<std::size_t>(options_.trials);
+    w.is_packing_kept = options_.improvement == LocalImprovement::kPacked;
+    packed.level.max_area_change = options_.max_area_change;
+    return improve_level(packer_, w, packed, observer_);
+  }
+
+  [[nodiscard]] SimplifiedLevel finish(const PlanarPacking& packed) const {
+    SimplifiedLevel out;
+    out.growth = packed.growth;
+    out.lipschitz = packed.lipschitz;
+    out.area_change = packed.level.area_change();
+    out.boundary_distance = packed.level.boundary_distance();
+    std::vector<VertexId> place(fine_.points.size());
+    for (std::uint32_t v = 0; v < fine_.points.size(); ++v) {
+      if (!packed.level.has(v)) continue;
+      place[v] = out.finest_vertex.push_back(VertexId(std::size_t{v}));
+      out.largest_overlap = std::max(out.largest_overlap, packer_.overlap(packed, v));
+    }
+    out.mesh = make_mesh(packed, out.finest_vertex, place);
+    return out;
+  }
+
+  [[nodiscard]] Mesh<2> make_mesh(const PlanarPacking& packed, const IdVector<VertexId, VertexId>& finest,
+                                  const std::vector<VertexId>& place) const {
+    Mesh<2> out;
+    for (const VertexId v : finest) {
+      out.points.push_back(mesh_.points[v]);
+      out.vertex_spacing.push_back(packed.spacing[v.value()]);
+      out.vertex_marker.push_back(mesh_.vertex_marker.empty() ? 0 : mesh_.vertex_marker[v]);
+      const bool is_inner = !fine_.on_boundary(v.value()) && fine_.is_anchor[v.value()] == 0;
+      out.vertex_carrier_dimension.push_back(is_inner ? 2 : 0);
+    }
+    const EditableTriangulation& t = packed.level.triangulation();
+    std::vector<std::pair<std::array<VertexId, 3>, int>> triangles;
+    for (std::uint32_t slot = 0; slot < t.n_slots(); ++slot) {
+      if (!t.is_alive(slot) || packed.level.region(slot) == kOutside) continue;
+      std::array<VertexId, 3> c;
+      for (std::size_t k = 0; k < 3; ++k) c[k] = place[t.triangle(slot).corners[k]];
+      std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());
+      triangles.push_back({c, fine_.region_id[static_cast<std::size_t>(packed.level.region(slot))]});
+    }
+    std::sort(triangles.begin(), triangles.end());
+    for (const auto& [corners, region] : triangles) {
+      out.simplex_vertices.push_back(corners);
+      out.simplex_region.push_back(region);
+    }
+    packed.level.for_each_edge([&](const ChainPlace& at) {
+      const VertexChain& chain = fine_.chains[at.chain];
+      out.boundary_vertices.push_back(
+          {place[chain.vertices[at.position]], place[chain.vertices[packed.level.next(at)]]});
+      out.boundary_marker.push_back(chain.marker);
+    });
+    build_neighbors(out);
+    return out;
+  }
+
+  const Mesh<2>& mesh_;
+  const BeyondBoundaryOptions& options_;
+  Observer& observer_;
+  ChainedMesh fine_;
+  PlanarPacker packer_;
+  std::vector<std::uint32_t> kept_;  ///< The level before, which is the next coarser one,
+  std::vector<double> bound_;        ///< and its spacing.
+};
+
+}  // namespace
+
+template <>
+std::vector<SimplifiedLevel> coarsen_beyond_boundary<2>(const Mesh<2>& mesh, const BeyondBoundaryOptions& options,
+                                                        Observer& observer) {
+  check_options(options);
+  observer.begin_stage("coarsen");
+  return Hierarchy(mesh, options, observer).build();
+}
+
+template <>
+std::vector<SimplifiedLevel> coarsen_beyond_boundary<3>(const Mesh<3>&, const BeyondBoundaryOptions&, Observer&) {
+  throw OptionError(Fault{.id = "coarsen.plane_only",
+                          .message = "coarsening beyond the boundary is for meshes in the plane",
+                          .fix = "coarsen this mesh within its boundary"});
+}
+
+}  // namespace voropack
