@@ -55,11 +55,12 @@ class Hierarchy {
     std::vector<SimplifiedLevel> levels(n_levels);
     for (std::size_t i = n_levels; i-- > 0;) {
       observer_.progress(n_levels - 1 - i, n_levels);
-      PlanarPacking packed = pack(i);
-      const std::size_t n_exchanges = improve(i, packed);
+      std::size_t n_exchanges = 0;
+      PlanarPacking packed = make_level(i, n_exchanges);
       levels[i] = finish(packed);
       levels[i].n_exchanges = n_exchanges;
       bound_ = std::move(packed.spacing);
+      rungs_ = std::move(packed.rungs);
       kept_.clear();
       for (const VertexId v : levels[i].finest_vertex) kept_.push_back(v.value());
     }
@@ -84,7 +85,7 @@ class Hierarchy {
     w.lipschitz = options_.lipschitz;
     w.kept = kept_;
     w.bound = bound_;
-    w.are_tips_kept = options_.improvement == LocalImprovement::kFree;
+    w.rungs = rungs_;
     w.order = options_.order;
     w.max_area_change = options_.max_area_change;
     return w;
@@ -112,35 +113,39 @@ class Hierarchy {
     return std::move(*best);
   }
 
-  [[nodiscard]] PlanarPacking pack(std::size_t i) const {
+  /// The best of several packings, each improved.
+  [[nodiscard]] PlanarPacking make_level(std::size_t i, std::size_t& n_exchanges) const {
     PackingWish w = wish(i);
     std::optional<std::size_t> n_wanted;
     if (!options_.target_vertices.empty()) n_wanted = options_.target_vertices[i];
     PlanarPacking best = n_wanted ? pack_number(w, *n_wanted) : packer_.pack(w);
     const double growth = best.growth;
     w.lipschitz = best.lipschitz;
+    n_exchanges = improve(i, 0, best);
     double quality = worst_quality(best.level);
     for (int k = 1; k < options_.restarts; ++k) {
       w.seed = hash_words(options_.seed, std::uint64_t{i}, static_cast<std::uint64_t>(k)) | 1U;
       if (n_wanted) w.growth = growth * (1 + kRestartSpread * (to_unit(w.seed) - 0.2));
       PlanarPacking other = packer_.pack(w);
       if (n_wanted && other.level.n_vertices() > *n_wanted) continue;
-      if (const double q = worst_quality(other.level); q > quality) {
-        quality = q;
-        best = std::move(other);
-      }
+      const std::size_t n = improve(i, static_cast<std::uint64_t>(k), other);
+      const double q = worst_quality(other.level);
+      if (q <= quality) continue;
+      quality = q;
+      n_exchanges = n;
+      best = std::move(other);
     }
     return best;
   }
 
-  std::size_t improve(std::size_t i, PlanarPacking& packed) const {
+  std::size_t improve(std::size_t i, std::uint64_t restart, PlanarPacking& packed) const {
     if (options_.improvement == LocalImprovement::kNone) return 0;
     const std::size_t n = options_.target_vertices.empty() ? packed.level.n_vertices() : options_.target_vertices[i];
     ImprovementWish w;
     w.kept = kept_;
     w.min_vertices = static_cast<std::size_t>(kFewestVertices * static_cast<double>(n));
     w.max_vertices = n;
-    w.seed = hash_words(options_.seed, std::uint64_t{i});
+    w.seed = hash_words(options_.seed, std::uint64_t{i}, restart);
     w.trials = static_cast<std::size_t>(options_.trials);
     w.is_packing_kept = options_.improvement == LocalImprovement::kPacked;
     packed.level.max_area_change = options_.max_area_change;
@@ -168,7 +173,7 @@ class Hierarchy {
     Mesh<2> out;
     for (const VertexId v : finest) {
       out.points.push_back(mesh_.points[v]);
-      out.vertex_spacing.push_back(packed.spacing[v.value()]);
+      out.vertex_spacing.push_back(packed.radius[v.value()]);
       out.vertex_marker.push_back(mesh_.vertex_marker.empty() ? 0 : mesh_.vertex_marker[v]);
       const bool is_inner = !fine_.on_boundary(v.value()) && fine_.is_anchor[v.value()] == 0;
       out.vertex_carrier_dimension.push_back(is_inner ? 2 : 0);
@@ -202,8 +207,9 @@ class Hierarchy {
   Observer& observer_;
   ChainedMesh fine_;
   PlanarPacker packer_;
-  std::vector<std::uint32_t> kept_;  ///< The level before, which is the next coarser one,
-  std::vector<double> bound_;        ///< and its spacing.
+  std::vector<std::uint32_t> kept_;   ///< The level before, which is the next coarser one,
+  std::vector<double> bound_;         ///< its spacing,
+  std::vector<std::uint32_t> rungs_;  ///< and its vertices beside tips.
 };
 
 }  // namespace

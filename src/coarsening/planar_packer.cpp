@@ -56,6 +56,7 @@ struct PlanarPacker::State {
   std::vector<double> reduction;  ///< [fine vertices] of f_0.
   std::vector<double> f;
   std::vector<std::uint8_t> is_blocked;
+  std::vector<std::uint32_t> rungs;  ///< Vertices of ladders but for their tips.
   std::vector<std::uint8_t> is_kept;
   std::vector<std::size_t> n_kept;  ///< [chains]
 };
@@ -120,12 +121,12 @@ std::vector<double> PlanarPacker::spacing(const PackingWish& wish, const std::ve
 
 double PlanarPacker::overlap(const PlanarPacking& packed, std::uint32_t vertex,
                              std::optional<std::uint32_t> other) const {
-  const double f = packed.spacing[vertex];
+  const double radius = packed.radius[vertex];
   const Vec<2>& x = fine_->points[vertex];
   double largest = 0;
-  for_each_near(x, 2 * f / (1 - packed.lipschitz), [&](std::uint32_t p) {
+  for_each_near(x, 2 * packed.spacing[vertex] / (1 - packed.lipschitz), [&](std::uint32_t p) {
     if (p == vertex || p == other || !packed.level.has(p)) return;
-    largest = std::max(largest, 1 - distance(fine_->points[p], x) / (f + packed.spacing[p]));
+    largest = std::max(largest, 1 - distance(fine_->points[p], x) / (radius + packed.radius[p]));
   });
   return largest;
 }
@@ -168,11 +169,12 @@ std::vector<std::uint32_t> PlanarPacker::boundary_order(const PackingWish& wish)
 bool PlanarPacker::pack_boundary(const PackingWish& wish, State& state) const {
   state.level = ConformingLevel(*fine_);
   state.level.max_area_change = wish.max_area_change;
+  state.rungs.assign(wish.rungs.begin(), wish.rungs.end());
   state.f = spacing(wish, state.reduction);
   state.is_blocked.assign(fine_->points.size(), 0);
   for (const std::uint32_t v : wish.kept) state.level.choose(v);
   for (const std::uint32_t v : wish.kept) block_around(v, wish.lipschitz, state);
-  if (wish.are_tips_kept) choose_tips(wish, state);
+  choose_tips(wish, state);
   for (const std::uint32_t v : boundary_order(wish)) {
     if (state.level.has(v) || (state.is_blocked[v] != 0 && fine_->is_anchor[v] == 0)) continue;
     state.level.choose(v);
@@ -253,10 +255,24 @@ void PlanarPacker::choose_tip(const ChainPlace& tip, const PackingWish& wish, St
   for (const std::uint32_t v : ladder)
     if (!state.level.has(v)) state.level.choose(v);
   for (const std::uint32_t v : ladder) block_around(v, wish.lipschitz, state);
+  state.rungs.insert(state.rungs.end(), ladder.begin() + 1, ladder.end());
 }
 
-bool PlanarPacker::mend(const ConformingLevel::Fault& fault, const PackingWish& wish, bool is_last_resort,
-                        State& state) const {
+std::vector<double> PlanarPacker::radii(const State& state) const {
+  std::vector<double> radius = state.f;
+  std::vector<std::uint8_t> is_rung(fine_->points.size(), 0);
+  for (const std::uint32_t v : state.rungs) is_rung[v] = state.level.has(v) ? 1 : 0;
+  for (const std::uint32_t v : state.rungs) {
+    if (!state.level.has(v)) continue;
+    for_each_near(fine_->points[v], 2 * state.f[v], [&](std::uint32_t u) {
+      if (u != v && is_rung[u] != 0)
+        radius[v] = std::min(radius[v], 0.5 * distance(fine_->points[u], fine_->points[v]));
+    });
+  }
+  return radius;
+}
+
+bool PlanarPacker::mend(const ConformingLevel::Fault& fault, bool is_last_resort, State& state) const {
   const ConformingLevel& level = state.level;
   const VertexChain& chain = fine_->chains[fault.from.chain];
   const std::array<std::optional<std::uint32_t>, 3> suspects = {fault.culprit, chain.vertices[fault.from.position],
@@ -269,11 +285,6 @@ bool PlanarPacker::mend(const ConformingLevel::Fault& fault, const PackingWish& 
     const VertexChain& own = fine_->chains[place.chain];
     const std::uint32_t before = level.previous(place), after = level.next(place);
     double deviation = chain_deviation(*fine_, own, before, after) / state.f[*v];
-    // The tip of a wedge: without it the wedge ends where it is wide enough. Without another vertex the next one would
-    // be in the way.
-    const bool is_tip =
-        v != fault.culprit && (own.vertices[before] == fault.culprit || own.vertices[after] == fault.culprit);
-    if (is_tip && !wish.are_tips_kept && deviation < kMaxDeviation) deviation = 0;
     // The next coarser level is free of faults, and goes at least as far.
     if (state.n_kept[place.chain] >= own.min_vertices()) deviation = std::min(deviation, 0.5 * kMaxDeviation);
     if (deviation >= best_deviation) continue;
@@ -292,6 +303,12 @@ bool PlanarPacker::reduce_edge(const ChainPlace& from, const PackingWish& wish, 
     k = (k + 1) % vertices.size();
     is_reduced = reduce(vertices[k], wish, state) || is_reduced;
   }
+  if (is_reduced) return true;
+  // Vertices around may still be in the way of those between its ends.
+  const Vec<2>&x = fine_->points[vertices[from.position]], &y = fine_->points[vertices[to]];
+  for_each_near(0.5 * (x + y), distance(x, y), [&](std::uint32_t v) {
+    if (fine_->on_boundary(v)) is_reduced = reduce(v, wish, state) || is_reduced;
+  });
   return is_reduced;
 }
 
@@ -348,13 +365,13 @@ bool PlanarPacker::mend_boundary(const PackingWish& wish, State& state) const {
       // An earlier one may have mended this one, too.
       if (!state.level.has(a) || state.level.next(fault.from) != fault.to) continue;
       if (fault.culprit && !state.level.has(*fault.culprit)) continue;
-      if (mend(fault, wish, false, state)) {
+      if (mend(fault, false, state)) {
         is_mended = true;
         continue;
       }
       bool is_helped = reduce_edge(fault.from, wish, state);
       if (fault.culprit) is_helped = reduce(*fault.culprit, wish, state) || is_helped;
-      if (!is_helped && !(is_mended = mend(fault, wish, true, state))) throw_not_conforming(*fine_, a);
+      if (!is_helped && !(is_mended = mend(fault, true, state))) throw_not_conforming(*fine_, a);
       is_reduced = is_reduced || is_helped;
     }
     if (is_reduced) return false;
@@ -425,7 +442,9 @@ PlanarPacking PlanarPacker::pack(const PackingWish& wish) const {
   }
   while (!pack_boundary(wish, state)) observer_->check_cancelled();
   pack_interior(wish, state);
-  return {std::move(state.level), std::move(state.f), wish.growth, wish.lipschitz};
+  std::vector<double> radius = radii(state);
+  return {std::move(state.level), std::move(state.f), std::move(radius),
+          std::move(state.rungs), wish.growth,        wish.lipschitz};
 }
 
 }  // namespace voropack

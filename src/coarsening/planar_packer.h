@@ -22,13 +22,16 @@ struct PackingWish {
   std::uint64_t seed = 0;               ///< Another one, another packing.
   CoarseningOrder order = CoarseningOrder::kFront;
   double max_area_change = 1;
-  /// The tip of a wedge stays, between vertices at equal distances, whose f-spheres may overlap across the outside.
-  bool are_tips_kept = false;
+  std::span<const std::uint32_t> rungs;  ///< Vertices beside tips of wedges on coarser levels.
 };
 
 struct PlanarPacking {
   ConformingLevel level;
-  std::vector<double> spacing;  ///< [fine vertices] f.
+  std::vector<double> spacing;  ///< [fine vertices] f: by it vertices keep others away.
+  /// [fine vertices] radii of f-spheres: f, but beside the tip of a wedge, where vertices face each other across the
+  /// outside, at most half of their distance.
+  std::vector<double> radius;
+  std::vector<std::uint32_t> rungs;  ///< Those vertices.
   double growth = 1, lipschitz = 0;
 };
 
@@ -36,8 +39,9 @@ class PlanarPacker {
  public:
   PlanarPacker(const Mesh<2>& mesh, const ChainedMesh& fine, InitialSpacing initial, Observer& observer);
 
-  /// A maximal set of vertices whose f-spheres do not overlap, except for those of `kept` among each other.
-  /// Where the boundary does not conform, a vertex is left out, or f halved, whichever keeps it near the original.
+  /// A maximal set of vertices whose f-spheres do not overlap, except for those of `kept` among each other. The tip of
+  /// a wedge stays, between pairs of vertices at equal distances from it. Where the boundary does not conform, a vertex
+  /// is left out, or f halved, whichever keeps it near the original.
   [[nodiscard]] PlanarPacking pack(const PackingWish& wish) const;
   /// The largest overlap of the f-sphere of a vertex with those of the level but `other`: 1 - distance / sum of the
   /// radii.
@@ -59,10 +63,11 @@ class PlanarPacker {
   [[nodiscard]] std::vector<double> spacing(const PackingWish& wish, const std::vector<double>& reduction) const;
   /// False if f was reduced somewhere and the boundary has to be packed anew.
   bool pack_boundary(const PackingWish& wish, State& state) const;
+  [[nodiscard]] std::vector<double> radii(const State& state) const;
   void choose_tips(const PackingWish& wish, State& state) const;
   void choose_tip(const ChainPlace& tip, const PackingWish& wish, State& state) const;
   bool mend_boundary(const PackingWish& wish, State& state) const;
-  bool mend(const ConformingLevel::Fault& fault, const PackingWish& wish, bool is_last_resort, State& state) const;
+  bool mend(const ConformingLevel::Fault& fault, bool is_last_resort, State& state) const;
   /// Drops boundary vertices near vertices of the coarser level that ended up on the wrong side.
   bool free_misplaced(State& state) const;
   bool reduce_edge(const ChainPlace& from, const PackingWish& wish, State& state) const;
