@@ -19,6 +19,8 @@ constexpr double kMaxLipschitz = 0.7;    // Beyond, shapes are not worth having.
 constexpr double kLipschitzStep = 1.25;  // What the constant is raised by where growth does not suffice.
 constexpr int kBisections = 12;          // Growth to about 0.2 %.
 constexpr double kRestartSpread = 0.1;   // Restarts vary the growth by this, as far as the number of vertices allows.
+/// f shrinks by this before vertices of a packing move, or they could not.
+constexpr double kRoomToMove = 0.8;
 constexpr double kFewestVertices =
     0.85;  // An improvement may take away vertices down to this part of the wished number.
 
@@ -149,7 +151,16 @@ class Hierarchy {
     w.trials = static_cast<std::size_t>(options_.trials);
     w.is_packing_kept = options_.improvement == LocalImprovement::kPacked;
     packed.level.max_area_change = options_.max_area_change;
+    if (w.is_packing_kept) shrink(packed, kRoomToMove);
     return improve_level(packer_, w, packed, observer_);
+  }
+
+  /// A packing for f is one for any smaller f.
+  static void shrink(PlanarPacking& packed, double factor) {
+    packed.growth *= factor;
+    packed.lipschitz *= factor;
+    for (auto* const values : {&packed.spacing, &packed.radius})
+      for (double& value : *values) value *= factor;
   }
 
   [[nodiscard]] SimplifiedLevel finish(const PlanarPacking& packed) const {
