@@ -45,6 +45,9 @@ Command add_convert_command(CLI::App& root, CommonOptions& common);
 Command add_plot_command(CLI::App& root, CommonOptions& common);
 Command add_solve_command(CLI::App& root, CommonOptions& common);
 Command add_paper_command(CLI::App& root, CommonOptions& common);
+// Further figures of the subcommand `paper`, which is added first.
+Command add_figure5_command(CLI::App& root, CommonOptions& common);
+Command add_figure8_command(CLI::App& root, CommonOptions& common);
 
 /// --redelaunay of the commands that read a mesh.
 void add_redelaunay_option(CLI::App& app, bool& redelaunay);

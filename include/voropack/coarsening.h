@@ -99,7 +99,8 @@ struct BeyondBoundaryOptions {
   std::uint64_t seed = 1;
 };
 
-/// A level with a simplified boundary. No `prolongation`, `epsilon` is not measured.
+/// A level with a simplified boundary. Vertices of the finer level that lie outside of it are interpolated from the
+/// nearest triangle. `epsilon` is not measured.
 struct SimplifiedLevel : CoarseLevel<2> {
   double growth = 1;           ///< f = growth f_0, made Lipschitz.
   double lipschitz = 0;        ///< With this constant.

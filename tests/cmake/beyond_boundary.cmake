@@ -1,0 +1,1 @@
+voropack_test(beyond_boundary_test property/beyond_boundary_test.cpp)
