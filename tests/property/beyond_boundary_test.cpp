@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "geom/predicates.h"
@@ -86,7 +87,9 @@ void expect_empty_balls(const Mesh<2>& mesh) {
   }
   for (const auto& [a, b] : mesh.boundary_vertices)
     for (const VertexId v : ids(mesh.points))
-      if (v != a && v != b) ASSERT_LE(in_diametral_ball(mesh.points[a], mesh.points[b], mesh.points[v]), 0);
+      if (v != a && v != b) {
+        ASSERT_LE(in_diametral_ball(mesh.points[a], mesh.points[b], mesh.points[v]), 0);
+      }
 }
 
 /// The largest distance of a vertex of one boundary from the other boundary.
@@ -133,10 +136,11 @@ void expect_laws(const Mesh<2>& fine, const std::vector<SimplifiedLevel>& levels
     if (options.improvement != LocalImprovement::kFree) {
       EXPECT_LE(level.largest_overlap, 1e-12);
       for (const VertexId u : ids(level.mesh.points))
-        for (VertexId v = u; v < VertexId(level.mesh.points.size()); ++v)
-          if (u != v)
-            ASSERT_GE(distance(level.mesh.points[u], level.mesh.points[v]) * (1 + 1e-12),
-                      level.mesh.vertex_spacing[u] + level.mesh.vertex_spacing[v]);
+        for (VertexId v = u; v < VertexId(level.mesh.points.size()); ++v) {
+          if (u == v) continue;
+          ASSERT_GE(distance(level.mesh.points[u], level.mesh.points[v]) * (1 + 1e-12),
+                    level.mesh.vertex_spacing[u] + level.mesh.vertex_spacing[v]);
+        }
     }
     finer = &level.mesh;
   }
