@@ -1,1 +1,0 @@
-voropack_test(beyond_boundary_test property/beyond_boundary_test.cpp)
