@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "io/atomic_file.h"
 #include "support/grid_mesh.h"
 #include "support/shared_data.h"
@@ -225,9 +227,29 @@ TEST(VtuMesh, ArraysThatDoNotFitAreRefusedAndNothingIsWritten) {
   EXPECT_EQ(id_of("a.vtu", {.vertex = {{"spacing", u}}, .simplex = {}}), "io.bad_array");
   EXPECT_EQ(id_of("a.vtu", {.vertex = {{"a<b", u}}, .simplex = {}}), "io.bad_array");
   EXPECT_EQ(id_of("a.vtu", {.vertex = {}, .simplex = {{"s", longer}}}), "io.bad_array");
-  EXPECT_EQ(id_of("a.node", {.vertex = {{"u", u}}, .simplex = {}}), "io.bad_array");
+  EXPECT_EQ(id_of("a.node", {.vertex = {{"u", longer}}, .simplex = {}}), "io.bad_array");
+  EXPECT_EQ(id_of("a.node", {.vertex = {}, .simplex = {{"s", longer}}}), "io.bad_array");
   EXPECT_FALSE(std::filesystem::exists(folder / "a.vtu"));
   EXPECT_FALSE(std::filesystem::exists(folder / "a.node"));
+}
+
+/// Without the spacing, which is attribute 1, a further attribute would be taken for it.
+TEST(NodeMesh, FurtherArraysAreAttributesAfterTheSpacing) {
+  const TemporaryFolder folder;
+  Mesh<2> mesh = square_mesh();
+  const std::vector<double> u(mesh.points.size(), 7.5);
+  mesh.vertex_spacing.clear();
+  EXPECT_THROW(write_mesh(mesh, folder / "a.node", {.vertex = {{"u", u}}, .simplex = {}}), OptionError);
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.node"));
+  mesh.vertex_spacing.resize(mesh.points.size(), 0.25);
+  write_mesh(mesh, folder / "a.node", {.vertex = {{"u", u}}, .simplex = {}});
+  std::ifstream file(folder / "a.node");
+  std::string header, first;
+  std::getline(file, header);
+  std::getline(file, first);
+  EXPECT_NE(header.find(" 2 2 "), std::string::npos) << header;
+  EXPECT_NE(first.find(" 0.25 7.5"), std::string::npos) << first;
+  EXPECT_EQ(std::get<Mesh<2>>(read_mesh(folder / "a.node")).vertex_spacing, mesh.vertex_spacing);
 }
 
 const std::string kTextVtu =
