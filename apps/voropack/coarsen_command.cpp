@@ -1,7 +1,6 @@
 // voropack coarsen: a hierarchy of coarser meshes, node-nested, for multigrid.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 
 #include "command.h"
@@ -24,11 +23,6 @@ struct CoarsenArguments {
   fs::path folder;
   CoarseningOptions options;
   bool redelaunay = false;
-};
-
-/// The files of a hierarchy, in their hidden places.
-struct StagedLevel {
-  fs::path mesh, prolongation;
 };
 
 Json options_json(const CoarsenArguments& arguments) {

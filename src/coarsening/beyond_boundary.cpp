@@ -67,7 +67,7 @@ class Hierarchy {
       kept_.clear();
       for (const VertexId v : levels[i].finest_vertex) kept_.push_back(v.value());
     }
-    for (std::size_t i = 0; i < n_levels; ++i) connect(i == 0 ? nullptr : &levels[i - 1], levels[i]);
+    for (std::size_t i = 0; i < n_levels; ++i) link_level<2>(mesh_, i == 0 ? nullptr : &levels[i - 1], levels[i]);
     return levels;
   }
 
@@ -82,21 +82,6 @@ class Hierarchy {
     w.order = options_.order;
     w.max_area_change = options_.max_area_change;
     return w;
-  }
-
-  /// Each vertex of a level is one of the next finer level, too.
-  void connect(const SimplifiedLevel* finer, SimplifiedLevel& level) const {
-    std::vector<VertexId> coarse_of(finer == nullptr ? mesh_.points.size() : finer->mesh.points.size());
-    for (const VertexId v : ids(level.mesh.points)) {
-      VertexId same = level.finest_vertex[v];
-      if (finer != nullptr) {
-        const auto& list = finer->finest_vertex;
-        same = VertexId(static_cast<std::size_t>(std::lower_bound(list.begin(), list.end(), same) - list.begin()));
-      }
-      level.finer_vertex.push_back(same);
-      coarse_of[same.value()] = v;
-    }
-    level.prolongation = barycentric_prolongation(level.mesh, finer == nullptr ? mesh_ : finer->mesh, coarse_of);
   }
 
   /// The packing that comes closest to a number of vertices from below; the smallest one if there is none below.

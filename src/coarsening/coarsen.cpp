@@ -186,22 +186,11 @@ class Coarsener {
   }
 
   void link_levels(CoarseningHierarchy<D>& hierarchy) const {
-    const std::size_t n = fine_.mesh.points.size();
-    std::vector<VertexId> finer(n);  // In the level before: none if it is not there.
-    for (std::size_t v = 0; v < n; ++v) finer[v] = VertexId(v);
-    const Mesh<D>* mesh = &fine_.mesh;
+    const CoarseLevel<D>* finer = nullptr;
     for (CoarseLevel<D>& level : hierarchy.levels) {
       observer_.check_cancelled();
-      std::vector<VertexId> coarse_of(mesh->points.size());
-      level.finer_vertex.resize(level.mesh.points.size());
-      for (const VertexId v : ids(level.finest_vertex)) {
-        level.finer_vertex[v] = finer[level.finest_vertex[v].value()];
-        coarse_of[level.finer_vertex[v].value()] = v;
-      }
-      level.prolongation = barycentric_prolongation(level.mesh, *mesh, coarse_of);
-      std::fill(finer.begin(), finer.end(), VertexId::none());
-      for (const VertexId v : ids(level.finest_vertex)) finer[level.finest_vertex[v].value()] = v;
-      mesh = &level.mesh;
+      link_level(fine_.mesh, finer, level);
+      finer = &level;
     }
   }
 

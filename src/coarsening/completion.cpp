@@ -31,17 +31,7 @@ class Completer {
         level_(level),
         packing_(level.packing),
         observer_(observer),
-        balls_(fine.place.domain.box.center()) {
-    for (const auto& e : packing_.subsegments) {
-      const Vec<D> a = packing_.center[e.spheres[0]], b = packing_.center[e.spheres[1]];
-      balls_.add({0.5 * (a + b), 0.5 * distance(a, b)});
-    }
-    if constexpr (D == 3)
-      for (const auto& t : packing_.subfacets) {
-        const Vec<3> a = packing_.center[t.spheres[0]];
-        const Vec<3> c = triangle_circumcenter(a, packing_.center[t.spheres[1]], packing_.center[t.spheres[2]]);
-        balls_.add({c, distance(c, a)});
-      }
+        balls_(protecting_balls(fine.place.domain, level.packing)) {
     is_used_.resize(fine.mesh.points.size(), 0);
     for (const VertexId v : level.vertex) is_used_[v.value()] = 1;
   }
@@ -191,7 +181,7 @@ class Completer {
     const bool is_long = radius * radius > kRadiusEdge * kRadiusEdge * shortest_sq;
     if ((!is_roomy && !is_long) || balls_.forbids(c)) return;
     if (is_roomy) ++out.n_roomy;
-    if (!is_roomy && is_sharp(corners)) return;
+    if (!is_roomy && has_sharp_pair<D>(packing_, fine_.incidence, corners)) return;
     const VertexId v = nearest_usable(nearest_vertex(level_.vertex[corners[0]], c), c);
     if (!v.is_none()) out.vertices.push_back(v);
   }
@@ -208,10 +198,6 @@ class Completer {
     for (const VertexId w : fine_.neighbors[v])
       if (const double d = distance_sq(fine_.mesh.points[w], x); d < least && is_usable(w)) least = d, best = w;
     return best;
-  }
-
-  [[nodiscard]] bool is_sharp(const std::array<std::uint32_t, D + 1>& corners) const {
-    return has_sharp_pair<D>(packing_, fine_.incidence, corners);
   }
 
   /// Downhill along the edges of the finest mesh: a Delaunay triangulation has no other minimum.

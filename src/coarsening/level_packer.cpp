@@ -95,12 +95,10 @@ class LevelPacker {
       for (std::size_t k = 0; k + 1 < chosen.size(); ++k) {
         const VertexId a = row[chosen[k]], b = row[chosen[k + 1]];
         result_.packing.subsegments.push_back({{sphere_of_.at(a), sphere_of_.at(b)}, PolytopeId(s)});
-        add_ball({0.5 * (point(a) + point(b)), 0.5 * distance(point(a), point(b))});
+        balls_.add({0.5 * (point(a) + point(b)), 0.5 * distance(point(a), point(b))});
       }
     }
   }
-
-  void add_ball(const Ball<D>& ball) { balls_.add(ball); }
 
   /// Appends the vertices of the row between `begin` and `end` that are chosen: as many as fit one after the other, at
   /// about equal distances in units of f if they fit so.
@@ -194,7 +192,8 @@ class LevelPacker {
     kernel.insert(in_plane);
     const RegionLabels<2> labels = label_regions<2>(kernel, borders_of(f, local));
     if (!labels.missing_faces.empty() || !labels.leaking_faces.empty()) {
-      for (const SphereId s : members) shrink(result_.packing.center[s], result_.packing.radius[s], f_at(s));
+      for (const SphereId s : members)
+        shrink(result_.packing.center[s], result_.packing.radius[s], result_.packing.radius[s]);
       return;
     }
     Triangulation<2> plane = export_triangulation(kernel, labels.region);
@@ -207,11 +206,9 @@ class LevelPacker {
       const std::array<SphereId, 3> corners = {members[t[0]], members[t[1]], members[t[2]]};
       result_.packing.subfacets.push_back({corners, PolytopeId(f)});
       const Vec<3> c = triangle_circumcenter(in_space[t[0]], in_space[t[1]], in_space[t[2]]);
-      add_ball({c, distance(c, in_space[t[0]])});
+      balls_.add({c, distance(c, in_space[t[0]])});
     }
   }
-
-  [[nodiscard]] double f_at(SphereId s) const { return result_.packing.radius[s]; }
 
   /// The subsegments in a facet, with the facet as region 0.
   [[nodiscard]] std::vector<ProtectedFace<2>> borders_of(FacetId f,

@@ -120,8 +120,7 @@ void append_row(const std::array<VertexId, D + 1>& corners, const Weights<D>& we
   for (std::size_t i = 0; i < n; ++i) out.push_back({row[i].column, row[i].value / sum});
 }
 
-}  // namespace
-
+/// `coarse_of`: for each vertex of the finer mesh the coarse vertex that it is, or none.
 template <int D>
 SparseMatrix barycentric_prolongation(const Mesh<D>& coarse, const Mesh<D>& fine,
                                       const std::vector<VertexId>& coarse_of) {
@@ -170,7 +169,23 @@ SparseMatrix barycentric_prolongation(const Mesh<D>& coarse, const Mesh<D>& fine
   return result;
 }
 
-template SparseMatrix barycentric_prolongation(const Mesh<2>&, const Mesh<2>&, const std::vector<VertexId>&);
-template SparseMatrix barycentric_prolongation(const Mesh<3>&, const Mesh<3>&, const std::vector<VertexId>&);
+}  // namespace
+
+template <int D>
+void link_level(const Mesh<D>& finest, const CoarseLevel<D>* finer, CoarseLevel<D>& level) {
+  level.finer_vertex = level.finest_vertex;
+  if (finer != nullptr) {
+    std::vector<VertexId> in_finer(finest.points.size());
+    for (const VertexId v : ids(finer->finest_vertex)) in_finer[finer->finest_vertex[v].value()] = v;
+    for (VertexId& v : level.finer_vertex) v = in_finer[v.value()];
+  }
+  const Mesh<D>& mesh = finer == nullptr ? finest : finer->mesh;
+  std::vector<VertexId> coarse_of(mesh.points.size());
+  for (const VertexId v : ids(level.finer_vertex)) coarse_of[level.finer_vertex[v].value()] = v;
+  level.prolongation = barycentric_prolongation(level.mesh, mesh, coarse_of);
+}
+
+template void link_level(const Mesh<2>&, const CoarseLevel<2>*, CoarseLevel<2>&);
+template void link_level(const Mesh<3>&, const CoarseLevel<3>*, CoarseLevel<3>&);
 
 }  // namespace voropack

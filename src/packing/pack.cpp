@@ -6,7 +6,6 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "geom/circumcenter.h"
 #include "packing/boundary.h"
 #include "packing/budget.h"
 #include "packing/incidence.h"
@@ -30,13 +29,6 @@ constexpr std::uint64_t kInteriorTries = 8;
 constexpr std::size_t kTriedSimplices = 50'000;
 /// Nor if they are more than one in so many: what makes that many is nothing that a smaller f would mend.
 constexpr std::size_t kFewStretched = 20;
-
-std::array<int, 2> regions_of_wall(const std::array<RegionId, 2>& sides) {
-  std::array<int, 2> result;
-  for (std::size_t i = 0; i < 2; ++i)
-    result[i] = sides[i].is_none() ? Walls<2>::kOutside : static_cast<int>(sides[i].value());
-  return result;
-}
 
 /// Walls of the domain with the regions on their sides.
 WallLocator<2> locator_of(const Domain<2>& domain) {
@@ -295,18 +287,7 @@ std::string find_packing_fault(const Packing<D>& packing, const Domain<D>& domai
     if (overlaps) return fmt::format("sphere {} overlaps another", s.value());
     set.add({packing.center[s], packing.radius[s]});
   }
-  BallSet<D> balls(domain.box.center());
-  for (const auto& e : packing.subsegments) {
-    const Vec<D> a = packing.center[e.spheres[0]], b = packing.center[e.spheres[1]];
-    balls.add({0.5 * (a + b), 0.5 * distance(a, b)});
-  }
-  if constexpr (D == 3)
-    for (const auto& t : packing.subfacets) {
-      const std::array<Vec<3>, 3> corners = {packing.center[t.spheres[0]], packing.center[t.spheres[1]],
-                                             packing.center[t.spheres[2]]};
-      const Vec<3> c = triangle_circumcenter(corners[0], corners[1], corners[2]);
-      balls.add({c, distance(c, corners[0])});
-    }
+  const BallSet<D> balls = protecting_balls(domain, packing);
   for (const SphereId s : ids(packing.center))
     if (balls.visit_holding(packing.center[s], -kBallMargin, [](std::uint32_t) { return true; }))
       return fmt::format("sphere {}: its center lies in a protecting ball", s.value());

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "geom/circumcenter.h"
 #include "geom/wall_locator.h"
 #include "spheres/sphere_set.h"
 #include "voropack/observer.h"
@@ -53,20 +54,41 @@ const auto& wall_simplices(const Packing<D>& packing) {
     return packing.subfacets;
 }
 
+/// What Walls say of the regions on both sides of a wall of a domain.
+inline std::array<int, 2> regions_of_wall(const std::array<RegionId, 2>& sides) {
+  std::array<int, 2> result;
+  for (std::size_t i = 0; i < 2; ++i)
+    result[i] = sides[i].is_none() ? Walls<2>::kOutside : static_cast<int>(sides[i].value());
+  return result;
+}
+
 /// The protected simplices that bound the regions of `domain`, with the indices of their regions.
 template <int D>
 std::vector<ProtectedFace<D>> protected_faces(const Domain<D>& domain, const Packing<D>& packing) {
   std::vector<ProtectedFace<D>> faces;
   for (const auto& simplex : wall_simplices(packing)) {
-    ProtectedFace<D> face{};
+    ProtectedFace<D> face{{}, regions_of_wall(domain.wall_regions[simplex.carrier.index])};
     for (std::size_t i = 0; i < D; ++i) face.corners[i] = simplex.spheres[i].value();
-    for (std::size_t side = 0; side < 2; ++side) {
-      const RegionId r = domain.wall_regions[simplex.carrier.index][side];
-      face.regions[side] = r.is_none() ? Walls<D>::kOutside : static_cast<int>(r.value());
-    }
     faces.push_back(face);
   }
   return faces;
+}
+
+/// The protecting balls of a packing: of its subsegments, then of its subfacets.
+template <int D>
+BallSet<D> protecting_balls(const Domain<D>& domain, const Packing<D>& packing) {
+  BallSet<D> balls(domain.box.center());
+  for (const auto& e : packing.subsegments) {
+    const Vec<D> a = packing.center[e.spheres[0]], b = packing.center[e.spheres[1]];
+    balls.add({0.5 * (a + b), 0.5 * distance(a, b)});
+  }
+  if constexpr (D == 3)
+    for (const auto& t : packing.subfacets) {
+      const Vec<3> a = packing.center[t.spheres[0]];
+      const Vec<3> c = triangle_circumcenter(a, packing.center[t.spheres[1]], packing.center[t.spheres[2]]);
+      balls.add({c, distance(c, a)});
+    }
+  return balls;
 }
 
 template <int K>
