@@ -49,12 +49,16 @@ inline LinearOptions fem_linear_options() {
   return options;
 }
 
-/// Assembles and solves.
+/// Assembles and solves, and adds up what flows where.
 ///
+/// Flows are those of the hat functions, which take the place of cells: what enters through a Dirichlet condition is
+/// the residual at its vertices, shared by the integrals of hat functions where conditions meet. So they are
+/// consistent and conservative [Hughes2000].
 /// `mean` holds for the integral of the P1 solution. Throws: as `assemble_fem` and `solve_linear_system`, and
 /// solve.no_condition, solve.mean_not_free, solve.incompatible as `solve`.
 template <int D>
-LinearSolution solve_fem(const Mesh<D>& mesh, const DiffusionProblem<D>& problem,
-                         const LinearOptions& options = fem_linear_options(), Observer& observer = silent_observer());
+DiffusionSolution<D> solve_fem(const Mesh<D>& mesh, const DiffusionProblem<D>& problem,
+                               const LinearOptions& options = fem_linear_options(),
+                               Observer& observer = silent_observer());
 
 }  // namespace voropack

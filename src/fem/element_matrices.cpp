@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "fem/coefficient.h"
+#include "fem/element_matrices.h"
 #include "geom/quadrature.h"
 #include "mesh/incidence.h"
 #include "mesh/p1_gradients.h"
@@ -20,9 +21,7 @@ namespace {
 constexpr std::size_t kBlock = 1024;  // Vertices per task.
 
 template <int D>
-using Local = std::array<double, D + 1>;
-template <int D>
-using LocalMatrix = std::array<Local<D>, D + 1>;
+using LocalMatrix = std::array<ElementTerms<D>, D + 1>;
 
 struct Entry {
   std::uint32_t column;
@@ -133,6 +132,45 @@ LocalMatrix<D> local_mass(const Mesh<D>& mesh, const Coefficient<D>& reaction, S
 }  // namespace
 
 template <int D>
+ElementTerms<D> element_diffusion(const Mesh<D>& mesh, const Coefficient<D>& conductivity, SimplexId s,
+                                  const IdVector<VertexId, double>& u) {
+  const auto p = corner_positions(mesh, s);
+  const P1Gradients<D> g = p1_gradients<D>(p);
+  const auto& corners = mesh.simplex_vertices[s];
+  Vec<D> gradient;  // Times the determinant. Differences of values first: that of a constant is exactly zero.
+  for (std::size_t i = 1; i <= D; ++i) gradient += (u[corners[i]] - u[corners[0]]) * g.normal[i];
+  const double scale = mean_over(conductivity, mesh, s, p) / (kFactorial<D> * g.determinant);
+  ElementTerms<D> terms{};
+  for (std::size_t i = 1; i <= D; ++i) {
+    terms[i] = scale * dot(g.normal[i], gradient);
+    terms[0] -= terms[i];
+  }
+  return terms;
+}
+
+template <int D>
+ElementTerms<D> element_absorption(const Mesh<D>& mesh, const Coefficient<D>& reaction, SimplexId s,
+                                   const IdVector<VertexId, double>& u) {
+  const LocalMatrix<D> mass = local_mass(mesh, reaction, s);
+  ElementTerms<D> terms{};
+  for (std::size_t i = 0; i <= D; ++i)
+    for (std::size_t j = 0; j <= D; ++j) terms[i] += mass[i][j] * u[mesh.simplex_vertices[s][j]];
+  return terms;
+}
+
+template <int D>
+ElementTerms<D> element_load(const Mesh<D>& mesh, const Coefficient<D>& source, SimplexId s) {
+  const auto p = corner_positions(mesh, s);
+  const double volume = simplex_determinant<D>(p) / kFactorial<D>;
+  ElementTerms<D> terms{};
+  for (const QuadraturePoint<D>& q : kQuadrature<D>) {
+    const double value = volume * q.weight * value_at(source, mesh, s, q.barycentric, q.at(p));
+    for (std::size_t i = 0; i <= D; ++i) terms[i] += value * q.barycentric[i];
+  }
+  return terms;
+}
+
+template <int D>
 SparseMatrix stiffness_matrix(const Mesh<D>& mesh, const Coefficient<D>& conductivity) {
   check_coefficient(conductivity, mesh, "the conductivity");
   return add_up<D>(mesh, [&](SimplexId s) { return local_stiffness(mesh, conductivity, s); });
@@ -148,16 +186,8 @@ template <int D>
 IdVector<VertexId, double> load_vector(const Mesh<D>& mesh, const Coefficient<D>& source) {
   check_coefficient(source, mesh, "the source");
   // Simplex by simplex in parallel, since f may be costly; then in order.
-  IdVector<SimplexId, Local<D>> local(mesh.simplex_vertices.size());
-  parallel_for(local.size(), [&](std::size_t k) {
-    const SimplexId s(k);
-    const auto p = corner_positions(mesh, s);
-    const double volume = simplex_determinant<D>(p) / kFactorial<D>;
-    for (const QuadraturePoint<D>& q : kQuadrature<D>) {
-      const double value = volume * q.weight * value_at(source, mesh, s, q.barycentric, q.at(p));
-      for (std::size_t i = 0; i <= D; ++i) local[s][i] += value * q.barycentric[i];
-    }
-  });
+  IdVector<SimplexId, ElementTerms<D>> local(mesh.simplex_vertices.size());
+  parallel_for(local.size(), [&](std::size_t k) { local[SimplexId(k)] = element_load(mesh, source, SimplexId(k)); });
   IdVector<VertexId, double> load(mesh.points.size(), 0.0);
   for (const SimplexId s : ids(local))
     for (std::size_t i = 0; i <= D; ++i) load[mesh.simplex_vertices[s][i]] += local[s][i];
@@ -170,5 +200,15 @@ template SparseMatrix mass_matrix(const Mesh<2>&, const Coefficient<2>&);
 template SparseMatrix mass_matrix(const Mesh<3>&, const Coefficient<3>&);
 template IdVector<VertexId, double> load_vector(const Mesh<2>&, const Coefficient<2>&);
 template IdVector<VertexId, double> load_vector(const Mesh<3>&, const Coefficient<3>&);
+template ElementTerms<2> element_diffusion(const Mesh<2>&, const Coefficient<2>&, SimplexId,
+                                           const IdVector<VertexId, double>&);
+template ElementTerms<2> element_absorption(const Mesh<2>&, const Coefficient<2>&, SimplexId,
+                                            const IdVector<VertexId, double>&);
+template ElementTerms<2> element_load(const Mesh<2>&, const Coefficient<2>&, SimplexId);
+template ElementTerms<3> element_diffusion(const Mesh<3>&, const Coefficient<3>&, SimplexId,
+                                           const IdVector<VertexId, double>&);
+template ElementTerms<3> element_absorption(const Mesh<3>&, const Coefficient<3>&, SimplexId,
+                                            const IdVector<VertexId, double>&);
+template ElementTerms<3> element_load(const Mesh<3>&, const Coefficient<3>&, SimplexId);
 
 }  // namespace voropack

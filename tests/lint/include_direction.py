@@ -44,9 +44,10 @@ FOLDERS = {
     "solve": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion", "nonlinear", "transient"], ["base"]),
     # Algebra: matrices and interpolations, whatever they come from.
     "multigrid": (BASICS + ["linear_system", "multigrid"], ["base", "solve/vectors.h"]),
-    # The refusals and the handling of problems without conditions are those of the control volume method.
+    # Refusals, problems without conditions, and the adding up of flows are those of the control volume method.
     "fem": (BASICS + ["mesh", "boundary_areas", "linear_system", "diffusion", "fem"],
-            ["base", "geom", "mesh", "solve/faults.h", "solve/floating_parts.h"]),
+            ["base", "geom", "mesh", "solve/faults.h", "solve/floating_parts.h", "solve/coefficients.h", "solve/balance.h",
+             "solve/conservation.h"]),
     "mesh_domain": (BASICS + ["mesh", "domain", "mesh_domain"], ["base", "geom", "mesh"]),
     "coarsening": (up_to("delaunay") + ["linear_system", "coarsening"], ["base", "geom", "mesh", "spheres", "packing"]),
     "norms": (BASICS + ["mesh", "dual", "norms"], ["base", "geom", "mesh"]),

@@ -9,6 +9,8 @@
 
 #include "base/parallel.h"
 #include "support/allow_threads.h"
+#include "support/balance_checks.h"
+#include "support/cases.h"
 #include "support/delaunay_mesh.h"
 #include "voropack/dual.h"
 #include "voropack/error.h"
@@ -155,10 +157,10 @@ TEST(Fem, IterationReachesTheDirectSolutionOnSlivers) {
   const Mesh<3> mesh = delaunay_mesh(perturbed_grid<3>(10, 1e-4));
   LinearOptions options = fem_linear_options();
   options.method = LinearMethod::kConjugateGradients;
-  const LinearSolution iterated = solve_fem(mesh, dirichlet_problem(exact), options);
-  const LinearSolution direct = solve_fem(mesh, dirichlet_problem(exact));
-  EXPECT_EQ(direct.report.method, "direct");
-  EXPECT_EQ(iterated.report.preconditioner, "diagonal");
+  const auto iterated = solve_fem(mesh, dirichlet_problem(exact), options);
+  const auto direct = solve_fem(mesh, dirichlet_problem(exact));
+  EXPECT_EQ(direct.linear.method, "direct");
+  EXPECT_EQ(iterated.linear.preconditioner, "diagonal");
   for (const VertexId v : ids(mesh.points)) EXPECT_NEAR(iterated.values[v], direct.values[v], 1e-9);
 }
 
@@ -299,6 +301,73 @@ TEST(Fem, PureNeumannTakesTheMean) {
   }
   EXPECT_NEAR(mean / total, 3, 1e-12);
   EXPECT_LT(error, 0.01);
+}
+
+/// In 2D the matrices agree, and so does everything that flows.
+TEST(Fem, FlowsAreThoseOfControlVolumesInThePlane) {
+  const auto result = make_mesh(domains::two_material_box<2>(), test::meshing_options<2>(test::all_fillings()[1], 0.2));
+  DiffusionProblem<2> problem;
+  problem.conductivity = std::map<int, double>{{7, 2.0}, {9, 0.5}};
+  const auto boundary = build_boundary_areas(result.mesh);
+  for (const int marker : boundary.patch_marker)
+    problem.conditions[marker] = Dirichlet<2>{[](const Vec<2>& x) { return x[0] * x[0] - x[1]; }};
+  const auto fem = solve_fem(result.mesh, problem);
+  const auto cvm = solve(result.volumes, boundary, problem);
+  ASSERT_EQ(fem.fluxes.size(), cvm.fluxes.size());
+  for (std::size_t k = 0; k < cvm.fluxes.size(); ++k) {
+    EXPECT_EQ(fem.fluxes[k].marker, cvm.fluxes[k].marker);
+    EXPECT_NEAR(fem.fluxes[k].area, cvm.fluxes[k].area, 1e-13);
+    EXPECT_NEAR(fem.fluxes[k].inflow, cvm.fluxes[k].inflow, 1e-11);
+  }
+  ASSERT_EQ(fem.balances.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_NEAR(fem.balances[k].volume, cvm.balances[k].volume, 1e-13);
+    EXPECT_NEAR(fem.balances[k].interface_inflow, cvm.balances[k].interface_inflow, 1e-11);
+  }
+  test::expect_balanced(fem.balances);
+}
+
+/// -2 laplace u = 0 with u = 1 + 3 x: 6 enters at x = 1, whatever condition says so.
+TEST(Fem, FluxesOfALinearFunctionAreExact) {
+  const Mesh<3> mesh = mesh_with_markers();
+  const Function<3> exact = [](const Vec<3>& x) { return 1 + 3 * x[0]; };
+  DiffusionProblem<3> problem;
+  problem.conductivity = 2.0;
+  for (const BoundaryCondition<3>& right :
+       {BoundaryCondition<3>(Dirichlet<3>{exact}), BoundaryCondition<3>(Neumann<3>{6.0}),
+        BoundaryCondition<3>(Robin<3>{2.0, 7.0}), BoundaryCondition<3>(Rate<3>{6.0})}) {
+    problem.conditions[1] = Dirichlet<3>{exact};
+    problem.conditions[2] = right;
+    const auto u = solve_fem(mesh, problem);
+    ASSERT_EQ(u.fluxes.size(), 3U);
+    EXPECT_NEAR(u.fluxes[0].inflow, -6, 1e-11);
+    EXPECT_NEAR(u.fluxes[1].inflow, 6, 1e-11);
+    EXPECT_NEAR(u.fluxes[2].inflow, 0, 1e-11);
+    EXPECT_NEAR(u.fluxes[1].area, 1, 1e-13);
+    test::expect_balanced(u.balances);
+  }
+}
+
+/// Source, reaction and every condition at once.
+TEST(Fem, WhatGoesInComesOut) {
+  const Mesh<3> mesh = mesh_with_markers();
+  DiffusionProblem<3> problem;
+  problem.conductivity = RegionFunction<3>([](const Vec<3>& x, int) { return 1 + x[0] * x[1]; });
+  problem.reaction = 3.0;
+  problem.source = RegionFunction<3>([](const Vec<3>& x, int) { return std::exp(x[2]); });
+  problem.conditions[1] = Dirichlet<3>{[](const Vec<3>& x) { return x[1]; }};
+  problem.conditions[2] = Robin<3>{[](const Vec<3>& x) { return 1 + x[1]; }, 2.0};
+  problem.conditions[3] = Neumann<3>{[](const Vec<3>& x) { return x[0] - x[2]; }};
+  const auto u = solve_fem(mesh, problem);
+  ASSERT_EQ(u.balances.size(), 1U);
+  EXPECT_GT(u.balances[0].absorbed, 0.1);
+  EXPECT_NEAR(u.balances[0].source, std::exp(1.0) - 1, 1e-6);
+  test::expect_balanced(u.balances);
+  problem = {};
+  problem.conditions[1] = Rate<3>{1.0};
+  problem.conditions[2] = Rate<3>{-1.0};
+  problem.mean = 4;
+  test::expect_balanced(solve_fem(mesh, problem).balances);
 }
 
 TEST(Fem, ARateIsATotalInflow) {
