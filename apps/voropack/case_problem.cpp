@@ -87,12 +87,51 @@ double CompiledFormula<D>::value(const Vec<D>& x, double t, double u) const {
   return formula_ == nullptr ? number_ : (*formula_)(arguments(x, t, u));
 }
 
+namespace {
+
+/// Positions coordinate by coordinate, with one t and u for all of them.
 template <int D>
-Vec<D> CompiledFormula<D>::gradient(const Vec<D>& x, double t) const {
-  Vec<D> result{};
-  for (int k = 0; k < D; ++k)
-    result[k] = formula_ == nullptr ? 0.0 : formula_->derivative(arguments(x, t, 0), static_cast<std::size_t>(k));
-  return result;
+class ArgumentLists {
+ public:
+  ArgumentLists(std::span<const Vec<D>> x, double t) : coordinates_(D * x.size()), time_(t) {
+    for (std::size_t k = 0; k < D; ++k) {
+      const std::span<double> coordinate = std::span(coordinates_).subspan(k * x.size(), x.size());
+      for (std::size_t i = 0; i < x.size(); ++i) coordinate[i] = x[i].coord[k];
+      lists_[k] = coordinate;
+    }
+    lists_[D] = {&time_, 1};
+    lists_[D + 1] = {&state_, 1};
+  }
+  ArgumentLists(const ArgumentLists&) = delete;
+  ArgumentLists& operator=(const ArgumentLists&) = delete;
+  [[nodiscard]] std::span<const Expression::Argument> get() const { return lists_; }
+
+ private:
+  std::vector<double> coordinates_;
+  double time_, state_ = 0;
+  std::array<Expression::Argument, D + 2> lists_;
+};
+
+}  // namespace
+
+template <int D>
+void CompiledFormula<D>::values(std::span<const Vec<D>> x, double t, std::span<double> results) const {
+  if (formula_ == nullptr)
+    std::fill(results.begin(), results.end(), number_);
+  else
+    formula_->evaluate(ArgumentLists<D>(x, t).get(), results);
+}
+
+template <int D>
+void CompiledFormula<D>::gradients(std::span<const Vec<D>> x, double t, std::span<Vec<D>> results) const {
+  std::fill(results.begin(), results.end(), Vec<D>{});
+  if (formula_ == nullptr) return;
+  const ArgumentLists<D> arguments(x, t);
+  std::vector<double> slopes(x.size());
+  for (std::size_t k = 0; k < D; ++k) {
+    formula_->differentiate(arguments.get(), k, slopes);
+    for (std::size_t i = 0; i < x.size(); ++i) results[i].coord[k] = slopes[i];
+  }
 }
 
 template <int D>
@@ -361,25 +400,38 @@ IdVector<VertexId, double> vertex_values(const CompiledCoefficient<D>& compiled,
 template <int D>
 std::optional<IdVector<CellId, double>> integrate_source(const CompiledCase<D>& compiled, const CellShapes<D>& shapes,
                                                          const ControlVolumes<D>& volumes, double time) {
-  const Coefficient<D> source = to_coefficient<D>(compiled.source, time);
-  const auto* const function = std::get_if<RegionFunction<D>>(&source);
-  if (function == nullptr) return std::nullopt;
-  return integrate_over_cells(shapes, volumes, *function);
+  if (!any_formula<D>(compiled.source, &CompiledFormula<D>::is_formula) ||
+      any_formula<D>(compiled.source, &CompiledFormula<D>::uses_state))
+    return std::nullopt;
+  const auto* const same = std::get_if<CompiledFormula<D>>(&compiled.source);
+  const auto* const by_region = std::get_if<std::map<int, CompiledFormula<D>>>(&compiled.source);
+  const std::function<void(std::span<const Vec<D>>, int, std::span<double>)> source =
+      [=](std::span<const Vec<D>> x, int region, std::span<double> values) {
+        (same != nullptr ? *same : by_region->at(region)).values(x, time, values);
+      };
+  return integrate_over_cells<D>(shapes, volumes, source);
 }
 
 template <int D>
-std::function<double(const Vec<D>&)> exact_solution(const CompiledCase<D>& compiled, double time) {
-  return [u = *compiled.exact, time](const Vec<D>& x) { return u.value(x, time); };
+std::function<void(std::span<const Vec<D>>, std::span<double>)> exact_solution(const CompiledCase<D>& compiled,
+                                                                               double time) {
+  return
+      [u = *compiled.exact, time](std::span<const Vec<D>> x, std::span<double> values) { u.values(x, time, values); };
 }
 
 template <int D>
-std::function<Vec<D>(const Vec<D>&)> exact_gradient(const CompiledCase<D>& compiled, double time) {
+std::function<void(std::span<const Vec<D>>, std::span<Vec<D>>)> exact_gradient(const CompiledCase<D>& compiled,
+                                                                               double time) {
   if (compiled.exact_gradient.empty())
-    return [u = *compiled.exact, time](const Vec<D>& x) { return u.gradient(x, time); };
-  return [parts = compiled.exact_gradient, time](const Vec<D>& x) {
-    Vec<D> gradient{};
-    for (int k = 0; k < D; ++k) gradient[k] = parts[static_cast<std::size_t>(k)].value(x, time);
-    return gradient;
+    return [u = *compiled.exact, time](std::span<const Vec<D>> x, std::span<Vec<D>> values) {
+      u.gradients(x, time, values);
+    };
+  return [parts = compiled.exact_gradient, time](std::span<const Vec<D>> x, std::span<Vec<D>> values) {
+    std::vector<double> part(x.size());
+    for (std::size_t k = 0; k < D; ++k) {
+      parts[k].values(x, time, part);
+      for (std::size_t i = 0; i < x.size(); ++i) values[i].coord[k] = part[i];
+    }
   };
 }
 
@@ -392,8 +444,8 @@ template Coefficient<2> to_coefficient<2>(const CompiledCoefficient<2>&, double)
 template IdVector<VertexId, double> vertex_values(const CompiledCoefficient<2>&, const Mesh<2>&);
 template std::optional<IdVector<CellId, double>> integrate_source(const CompiledCase<2>&, const CellShapes<2>&,
                                                                   const ControlVolumes<2>&, double);
-template std::function<double(const Vec<2>&)> exact_solution(const CompiledCase<2>&, double);
-template std::function<Vec<2>(const Vec<2>&)> exact_gradient(const CompiledCase<2>&, double);
+template std::function<void(std::span<const Vec<2>>, std::span<double>)> exact_solution(const CompiledCase<2>&, double);
+template std::function<void(std::span<const Vec<2>>, std::span<Vec<2>>)> exact_gradient(const CompiledCase<2>&, double);
 
 template class CompiledFormula<3>;
 template bool any_formula(const CompiledCoefficient<3>&, bool (CompiledFormula<3>::*)() const);
@@ -404,7 +456,7 @@ template Coefficient<3> to_coefficient<3>(const CompiledCoefficient<3>&, double)
 template IdVector<VertexId, double> vertex_values(const CompiledCoefficient<3>&, const Mesh<3>&);
 template std::optional<IdVector<CellId, double>> integrate_source(const CompiledCase<3>&, const CellShapes<3>&,
                                                                   const ControlVolumes<3>&, double);
-template std::function<double(const Vec<3>&)> exact_solution(const CompiledCase<3>&, double);
-template std::function<Vec<3>(const Vec<3>&)> exact_gradient(const CompiledCase<3>&, double);
+template std::function<void(std::span<const Vec<3>>, std::span<double>)> exact_solution(const CompiledCase<3>&, double);
+template std::function<void(std::span<const Vec<3>>, std::span<Vec<3>>)> exact_gradient(const CompiledCase<3>&, double);
 
 }  // namespace voropack::app

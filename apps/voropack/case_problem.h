@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -31,7 +32,9 @@ class CompiledFormula {
   CompiledFormula(const CaseFormula& formula, FormulaScope scope, CaseFaults& faults);
 
   [[nodiscard]] double value(const Vec<D>& x, double t, double u = 0) const;
-  [[nodiscard]] Vec<D> gradient(const Vec<D>& x, double t) const;
+  /// At many points at once, which is faster.
+  void values(std::span<const Vec<D>> x, double t, std::span<double> results) const;
+  void gradients(std::span<const Vec<D>> x, double t, std::span<Vec<D>> results) const;
   [[nodiscard]] double derivative_by_u(const Vec<D>& x, double t, double u) const;
   [[nodiscard]] bool is_formula() const { return formula_ != nullptr; }
   [[nodiscard]] bool is_number() const { return formula_ == nullptr; }
@@ -97,10 +100,12 @@ template <int D>
 std::optional<IdVector<CellId, double>> integrate_source(const CompiledCase<D>& compiled, const CellShapes<D>& shapes,
                                                          const ControlVolumes<D>& volumes, double time);
 
-/// The exact solution and its gradient, as `norms` wants them.
+/// The exact solution and its gradient at many points, as `norms` wants them.
 template <int D>
-std::function<double(const Vec<D>&)> exact_solution(const CompiledCase<D>& compiled, double time);
+std::function<void(std::span<const Vec<D>>, std::span<double>)> exact_solution(const CompiledCase<D>& compiled,
+                                                                               double time);
 template <int D>
-std::function<Vec<D>(const Vec<D>&)> exact_gradient(const CompiledCase<D>& compiled, double time);
+std::function<void(std::span<const Vec<D>>, std::span<Vec<D>>)> exact_gradient(const CompiledCase<D>& compiled,
+                                                                               double time);
 
 }  // namespace voropack::app

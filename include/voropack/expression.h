@@ -56,6 +56,13 @@ class Expression {
   /// Comparisons count as constant; at a kink it is the derivative of the branch that is taken, and 0 for abs.
   [[nodiscard]] double derivative(std::span<const double> values, std::size_t variable) const;
 
+  /// The values of a variable at many points: one for each, or one for all of them.
+  using Argument = std::span<const double>;
+
+  /// Values and derivatives at many points at once: several times faster, and the same to the bit.
+  void evaluate(std::span<const Argument> arguments, std::span<double> results) const;
+  void differentiate(std::span<const Argument> arguments, std::size_t variable, std::span<double> results) const;
+
  private:
   friend class ExpressionParser;
   friend struct ExpressionTangent;
@@ -95,7 +102,13 @@ class Expression {
   static double apply(Op op, double a, double b);
   static double apply_derivative(Op op, double a, double b, double da, double db);
   template <class T>
-  T run(std::span<const double> values, std::size_t variable) const;
+  static void apply_to_all(Op op, const T* a, const T* b, std::size_t n, T* results);
+  template <class T, std::size_t kWidth, class ArgumentAt>
+  void run(const ArgumentAt& argument_at, std::size_t n, std::size_t variable, T* stack) const;
+  template <class T>
+  T run_once(std::span<const double> values, std::size_t variable) const;
+  template <class T, class Take>
+  void run_blocks(std::span<const Argument> arguments, std::size_t n, std::size_t variable, const Take& take) const;
 
   std::vector<Step> program_;
   std::size_t stack_size_ = 0;  // What `program_` needs.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 
 #include "voropack/mesh.h"
 
@@ -51,10 +52,19 @@ double max_norm(const VertexValues& values);
 template <int D>
 double l2_error(const Mesh<D>& mesh, const VertexValues& values, const std::function<double(const Vec<D>&)>& exact);
 
+/// The same, for a function that is faster for many points at once: all those of a simplex.
+template <int D>
+double l2_error(const Mesh<D>& mesh, const VertexValues& values,
+                const std::function<void(std::span<const Vec<D>> x, std::span<double> exact)>& exact);
+
 /// || grad(u_h - u) || in L2, by quadrature of degree 7. With `keep`, over the simplices for which it is true.
 template <int D>
 double h1_error(const Mesh<D>& mesh, const VertexValues& values,
                 const std::function<Vec<D>(const Vec<D>&)>& exact_gradient,
+                const std::function<bool(SimplexId)>& keep = {});
+template <int D>
+double h1_error(const Mesh<D>& mesh, const VertexValues& values,
+                const std::function<void(std::span<const Vec<D>> x, std::span<Vec<D>> exact)>& exact_gradient,
                 const std::function<bool(SimplexId)>& keep = {});
 
 }  // namespace voropack

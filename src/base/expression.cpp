@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 
 #include "base/names.h"
 
@@ -21,6 +22,8 @@ constexpr int kMaxDepth = 200;
 constexpr std::size_t kExcerpt = 60;
 /// Programs that need no more than this are evaluated without allocating.
 constexpr std::size_t kSmallStack = 32;
+/// Points that a program is run for at once: enough to make its steps cheap, few enough to stay in the cache.
+constexpr std::size_t kBlock = 64;
 
 bool is_name_start(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 bool is_name_char(char c) { return is_name_start(c) || std::isdigit(static_cast<unsigned char>(c)) != 0; }
@@ -356,18 +359,46 @@ struct ExpressionTangent {
   }
 };
 
+/// Loops of their own for what the processor does to several numbers at once.
 template <class T>
-T Expression::run(std::span<const double> values, std::size_t variable) const {
-  std::array<T, kSmallStack> small;
-  std::vector<T> large(stack_size_ > kSmallStack ? stack_size_ : 0);
-  T* top = large.empty() ? small.data() : large.data();  // One past the last value.
+void Expression::apply_to_all(Op op, const T* a, const T* b, std::size_t n, T* results) {
+  const auto each = [=](auto function) {
+    for (std::size_t i = 0; i < n; ++i) results[i] = function(a[i], b[i]);
+  };
+  if constexpr (std::is_same_v<T, double>) {
+    switch (op) {
+      case Op::kAdd:
+        return each([](double x, double y) { return x + y; });
+      case Op::kSubtract:
+        return each([](double x, double y) { return x - y; });
+      case Op::kMultiply:
+        return each([](double x, double y) { return x * y; });
+      case Op::kDivide:
+        return each([](double x, double y) { return x / y; });
+      case Op::kNegate:
+        return each([](double, double y) { return -y; });
+      default:
+        break;
+    }
+  }
+  each([op](const T& x, const T& y) { return ExpressionTangent::apply(op, x, y); });
+}
+
+/// Runs the program for n points, at most kWidth, step by step. `stack` has kWidth entries for each value of the stack
+/// machine; the results are the first n of it. Of a function of one argument, only the second counts.
+template <class T, std::size_t kWidth, class ArgumentAt>
+void Expression::run(const ArgumentAt& argument_at, std::size_t n, std::size_t variable, T* stack) const {
+  T* top = stack;  // Behind the last value.
   for (const Step& step : program_) {
     switch (step.op) {
       case Op::kNumber:
-        ExpressionTangent::set(*top++, step.number, false);
+        for (std::size_t i = 0; i < n; ++i) ExpressionTangent::set(top[i], step.number, false);
+        top += kWidth;
         break;
       case Op::kVariable:
-        ExpressionTangent::set(*top++, values[step.variable], step.variable == variable);
+        for (std::size_t i = 0; i < n; ++i)
+          ExpressionTangent::set(top[i], argument_at(step.variable, i), step.variable == variable);
+        top += kWidth;
         break;
       case Op::kNegate:
       case Op::kSqrt:
@@ -377,29 +408,65 @@ T Expression::run(std::span<const double> values, std::size_t variable) const {
       case Op::kSin:
       case Op::kCos:
       case Op::kTan:
-        top[-1] = ExpressionTangent::apply(step.op, T{}, top[-1]);
+        apply_to_all(step.op, top - kWidth, top - kWidth, n, top - kWidth);
         break;
       case Op::kIf:
-        top -= 2;
-        top[-1] = ExpressionTangent::value_of(top[-1]) != 0 ? top[0] : top[1];
+        top -= 2 * kWidth;
+        for (std::size_t i = 0; i < n; ++i) {
+          T& condition = *(top - kWidth + i);
+          condition = ExpressionTangent::value_of(condition) != 0 ? top[i] : top[kWidth + i];
+        }
         break;
       default:
-        --top;
-        top[-1] = ExpressionTangent::apply(step.op, top[-1], top[0]);
+        top -= kWidth;
+        apply_to_all(step.op, top - kWidth, top, n, top - kWidth);
     }
   }
-  return top[-1];
 }
 
-double Expression::operator()(std::span<const double> values) const { return run<double>(values, 0); }
+template <class T>
+T Expression::run_once(std::span<const double> values, std::size_t variable) const {
+  std::array<T, kSmallStack> small;
+  std::vector<T> large(stack_size_ > kSmallStack ? stack_size_ : 0);
+  T* const stack = large.empty() ? small.data() : large.data();
+  stack[0] = T{};  // Programs are never empty, which the compiler cannot know.
+  run<T, 1>([&](std::size_t k, std::size_t) { return values[k]; }, 1, variable, stack);
+  return stack[0];
+}
+
+template <class T, class Take>
+void Expression::run_blocks(std::span<const Argument> arguments, std::size_t n, std::size_t variable,
+                            const Take& take) const {
+  std::vector<T> stack(stack_size_ * kBlock);
+  for (std::size_t begin = 0; begin < n; begin += kBlock) {
+    const std::size_t size = std::min(kBlock, n - begin);
+    const auto argument_at = [&](std::size_t k, std::size_t i) {
+      return arguments[k].size() == 1 ? arguments[k][0] : arguments[k][begin + i];
+    };
+    run<T, kBlock>(argument_at, size, variable, stack.data());
+    for (std::size_t i = 0; i < size; ++i) take(begin + i, stack[i]);
+  }
+}
+
+double Expression::operator()(std::span<const double> values) const { return run_once<double>(values, 0); }
+
+double Expression::derivative(std::span<const double> values, std::size_t variable) const {
+  return run_once<ExpressionTangent>(values, variable).slope;
+}
+
+void Expression::evaluate(std::span<const Argument> arguments, std::span<double> results) const {
+  run_blocks<double>(arguments, results.size(), 0, [&](std::size_t i, double value) { results[i] = value; });
+}
+
+void Expression::differentiate(std::span<const Argument> arguments, std::size_t variable,
+                               std::span<double> results) const {
+  run_blocks<ExpressionTangent>(arguments, results.size(), variable,
+                                [&](std::size_t i, const ExpressionTangent& entry) { results[i] = entry.slope; });
+}
 
 bool Expression::uses(std::size_t variable) const {
   return std::any_of(program_.begin(), program_.end(),
                      [&](const Step& step) { return step.op == Op::kVariable && step.variable == variable; });
-}
-
-double Expression::derivative(std::span<const double> values, std::size_t variable) const {
-  return run<ExpressionTangent>(values, variable).slope;
 }
 
 }  // namespace voropack

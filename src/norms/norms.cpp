@@ -1,7 +1,9 @@
 #include "voropack/norms.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 
 #include "base/parallel.h"
 #include "geom/quadrature.h"
@@ -82,16 +84,41 @@ double max_norm(const VertexValues& values) {
   return largest;
 }
 
+namespace {
+
+/// Where a simplex is integrated over.
 template <int D>
-double l2_error(const Mesh<D>& mesh, const VertexValues& values, const std::function<double(const Vec<D>&)>& exact) {
-  return std::sqrt(sum_blocks(mesh.simplex_vertices.size(), [&](std::size_t k) {
-    const SimplexId s(k);
+std::array<Vec<D>, kFineQuadrature<D>.size()> fine_points(const std::array<Vec<D>, D + 1>& p) {
+  std::array<Vec<D>, kFineQuadrature<D>.size()> x;
+  for (std::size_t k = 0; k < x.size(); ++k) x[k] = kFineQuadrature<D>[k].at(p);
+  return x;
+}
+
+/// A function of one point as one of many.
+template <int D, class T>
+auto of_many(const std::function<T(const Vec<D>&)>& function) {
+  return [&function](std::span<const Vec<D>> x, std::span<T> values) {
+    for (std::size_t k = 0; k < x.size(); ++k) values[k] = function(x[k]);
+  };
+}
+
+}  // namespace
+
+template <int D>
+double l2_error(const Mesh<D>& mesh, const VertexValues& values,
+                const std::function<void(std::span<const Vec<D>>, std::span<double>)>& exact) {
+  return std::sqrt(sum_blocks(mesh.simplex_vertices.size(), [&](std::size_t s_index) {
+    const SimplexId s(s_index);
     const auto p = corner_positions(mesh, s);
+    const auto x = fine_points<D>(p);
+    std::array<double, x.size()> wanted;
+    exact(x, wanted);
     double sum = 0;
-    for (const QuadraturePoint<D>& q : kFineQuadrature<D>) {
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const QuadraturePoint<D>& q = kFineQuadrature<D>[k];
       double value = 0;
       for (std::size_t i = 0; i <= D; ++i) value += q.barycentric[i] * values[mesh.simplex_vertices[s][i]];
-      const double error = value - exact(q.at(p));
+      const double error = value - wanted[k];
       sum += q.weight * error * error;
     }
     return sum * simplex_determinant<D>(p) / kFactorial<D>;
@@ -99,11 +126,16 @@ double l2_error(const Mesh<D>& mesh, const VertexValues& values, const std::func
 }
 
 template <int D>
+double l2_error(const Mesh<D>& mesh, const VertexValues& values, const std::function<double(const Vec<D>&)>& exact) {
+  return l2_error<D>(mesh, values, std::function<void(std::span<const Vec<D>>, std::span<double>)>(of_many<D>(exact)));
+}
+
+template <int D>
 double h1_error(const Mesh<D>& mesh, const VertexValues& values,
-                const std::function<Vec<D>(const Vec<D>&)>& exact_gradient,
+                const std::function<void(std::span<const Vec<D>>, std::span<Vec<D>>)>& exact_gradient,
                 const std::function<bool(SimplexId)>& keep) {
-  return std::sqrt(sum_blocks(mesh.simplex_vertices.size(), [&](std::size_t k) {
-    const SimplexId s(k);
+  return std::sqrt(sum_blocks(mesh.simplex_vertices.size(), [&](std::size_t s_index) {
+    const SimplexId s(s_index);
     if (keep && !keep(s)) return 0.0;
     const auto p = corner_positions(mesh, s);
     const P1Gradients<D> g = p1_gradients<D>(p);
@@ -112,11 +144,21 @@ double h1_error(const Mesh<D>& mesh, const VertexValues& values,
     Vec<D> gradient;
     for (std::size_t i = 1; i <= D; ++i) gradient += (values[corners[i]] - values[corners[0]]) * g.normal[i];
     gradient = gradient / g.determinant;
+    const auto x = fine_points<D>(p);
+    std::array<Vec<D>, x.size()> wanted;
+    exact_gradient(x, wanted);
     double sum = 0;
-    for (const QuadraturePoint<D>& q : kFineQuadrature<D>)
-      sum += q.weight * norm_sq(gradient - exact_gradient(q.at(p)));
+    for (std::size_t k = 0; k < x.size(); ++k) sum += kFineQuadrature<D>[k].weight * norm_sq(gradient - wanted[k]);
     return sum * g.determinant / kFactorial<D>;
   }));
+}
+
+template <int D>
+double h1_error(const Mesh<D>& mesh, const VertexValues& values,
+                const std::function<Vec<D>(const Vec<D>&)>& exact_gradient,
+                const std::function<bool(SimplexId)>& keep) {
+  return h1_error<D>(mesh, values,
+                     std::function<void(std::span<const Vec<D>>, std::span<Vec<D>>)>(of_many<D>(exact_gradient)), keep);
 }
 
 template VertexFlags find_hull_vertices(const Mesh<2>&);
@@ -126,6 +168,11 @@ template double w_norm(const ControlVolumes<2>&, const VertexValues&, const Vert
 template VertexValues vertex_errors(const IdVector<VertexId, Vec<2>>&, const VertexValues&,
                                     const std::function<double(const Vec<2>&)>&);
 template double l2_error(const Mesh<2>&, const VertexValues&, const std::function<double(const Vec<2>&)>&);
+template double l2_error(const Mesh<2>&, const VertexValues&,
+                         const std::function<void(std::span<const Vec<2>>, std::span<double>)>&);
+template double h1_error(const Mesh<2>&, const VertexValues&,
+                         const std::function<void(std::span<const Vec<2>>, std::span<Vec<2>>)>&,
+                         const std::function<bool(SimplexId)>&);
 template double h1_error(const Mesh<2>&, const VertexValues&, const std::function<Vec<2>(const Vec<2>&)>&,
                          const std::function<bool(SimplexId)>&);
 
@@ -136,6 +183,11 @@ template double w_norm(const ControlVolumes<3>&, const VertexValues&, const Vert
 template VertexValues vertex_errors(const IdVector<VertexId, Vec<3>>&, const VertexValues&,
                                     const std::function<double(const Vec<3>&)>&);
 template double l2_error(const Mesh<3>&, const VertexValues&, const std::function<double(const Vec<3>&)>&);
+template double l2_error(const Mesh<3>&, const VertexValues&,
+                         const std::function<void(std::span<const Vec<3>>, std::span<double>)>&);
+template double h1_error(const Mesh<3>&, const VertexValues&,
+                         const std::function<void(std::span<const Vec<3>>, std::span<Vec<3>>)>&,
+                         const std::function<bool(SimplexId)>&);
 template double h1_error(const Mesh<3>&, const VertexValues&, const std::function<Vec<3>(const Vec<3>&)>&,
                          const std::function<bool(SimplexId)>&);
 

@@ -1,7 +1,9 @@
 // Formulas: values, precedence, and errors with their place.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -105,6 +107,31 @@ TEST(Expression, ConstantsHaveNoDerivativeWhateverTheyArePutInto) {
   EXPECT_EQ(derivative("x^0", 0), 0);
   EXPECT_EQ(derivative("hypot(y, 0) + 2*x", 1), 2);
   EXPECT_EQ(derivative("abs(x)", 0), 0);
+}
+
+TEST(Expression, ManyPointsAtOnceGiveTheSameBits) {
+  constexpr std::size_t kN = 150;  // More than two blocks, and not a whole number of them.
+  std::vector<double> x(kN);
+  for (std::size_t i = 0; i < kN; ++i) x[i] = -2 + 0.031 * static_cast<double>(i);
+  const std::vector<double> y = {0.7};
+  const std::vector<Expression::Argument> arguments = {x, y};
+  constexpr std::uint64_t kNaN = 1;  // Of NaN, not even the processor promises the bits.
+  const auto bits = [](double value) { return std::isnan(value) ? kNaN : std::bit_cast<std::uint64_t>(value); };
+  for (const std::string text :
+       {"x", "y", "3", "x + y - 2*x/y", "-x^3", "sqrt(x) + log(x)", "exp(x)*sin(y*x) - cos(x)/tan(y)",
+        "if(x < 0, abs(x), min(x, y, 1)) + max(x, y)", "hypot(x, y) + (x >= y) - (x != 1)", "pow(x, y)"}) {
+    const Expression formula(text, kNames);
+    std::vector<double> values(kN), slopes(kN);
+    formula.evaluate(arguments, values);
+    for (std::size_t k = 0; k < 2; ++k) {
+      formula.differentiate(arguments, k, slopes);
+      for (std::size_t i = 0; i < kN; ++i) {
+        const std::vector<double> at = {x[i], y[0]};
+        EXPECT_EQ(bits(values[i]), bits(formula(at))) << text << " at " << x[i];
+        EXPECT_EQ(bits(slopes[i]), bits(formula.derivative(at, k))) << text << " at " << x[i];
+      }
+    }
+  }
 }
 
 TEST(Expression, KnowsWhichVariablesItUses) {
