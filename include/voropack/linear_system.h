@@ -106,6 +106,7 @@ struct LinearSolution {
 ///         NumericalError solve.not_converged  if max_iterations do not suffice.
 ///         NumericalError solve.singular       if the matrix is not positive definite at the free vertices; where it
 ///                                             is not symmetric, if it has no inverse.
+///         NumericalError solve.overflow       if numbers go beyond the range of double precision.
 ///         Cancelled      if the observer asks to stop.
 LinearSolution solve_linear_system(const LinearSystem& system, const LinearOptions& options = {},
                                    Observer& observer = silent_observer());

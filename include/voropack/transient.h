@@ -48,7 +48,8 @@ struct TimeOptions {
   NewtonOptions newton;  ///< Its `linear` is used for linear problems as well.
 };
 
-/// A step that is accepted. Flows are means over the step, so that the balance closes in each.
+/// A step that is accepted. Flows are means over the step, so that the balance closes in each. The initial state is a
+/// step of length 0 without flows.
 template <int D>
 struct TransientStep {
   double time = 0;                      ///< At its end.
@@ -61,7 +62,7 @@ struct TransientStep {
 };
 
 struct TransientReport {
-  std::uint64_t n_steps = 0;           ///< Accepted, as the callback sees them.
+  std::uint64_t n_steps = 0;           ///< Accepted, as the callback sees them; the initial state is none.
   std::uint64_t n_rejected = 0;        ///< Trials of two halves whose error was too large.
   std::uint64_t n_factorizations = 0;  ///< Matrices that were factorized or preconditioned.
   std::uint64_t linear_iterations = 0;
@@ -77,7 +78,8 @@ struct TransientSolution {
   TransientReport report;
 };
 
-/// Called after each accepted step, in order, from the calling thread. The balances hold what is stored.
+/// Called with the initial state and after each accepted step, in order, from the calling thread. The balances hold
+/// what is stored.
 template <int D>
 using StepCallback = std::function<void(const TransientStep<D>&)>;
 

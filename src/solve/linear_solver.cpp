@@ -41,6 +41,13 @@ double load_norm(const LinearSystem& system) {
   return norm(residual);
 }
 
+void check_overflow(double norm_of_residual) {
+  if (!std::isfinite(norm_of_residual))
+    throw NumericalError(Fault{.id = "solve.overflow",
+                               .message = "the linear system has numbers beyond the range of double precision",
+                               .fix = "choose units in which conductivities, sources and values are nearer to 1"});
+}
+
 }  // namespace
 
 LinearSolver::LinearSolver(const LinearSystem& system, const LinearOptions& options)
@@ -65,10 +72,12 @@ LinearSolution LinearSolver::solve(const LinearSystem& system, Observer& observe
   if (preconditioner_) report.preconditioner = preconditioner_->name();
   const double unit = load_norm(system);
   report.residuals = {unit > 0 ? 1.0 : 0.0};
+  check_overflow(unit);
   if (unit == 0) return solution;
   std::vector<double>& values = solution.values.raw();
   if (direct_) {
     direct_->solve(system, unit, values, report);
+    check_overflow(report.residual);
     return solution;
   }
   if (guess != nullptr)
@@ -76,6 +85,7 @@ LinearSolution LinearSolver::solve(const LinearSystem& system, Observer& observe
       if (system.is_fixed[v] == 0) solution.values[v] = (*guess)[v];
   const auto iterate = system.is_symmetric ? conjugate_gradients : bicgstab;
   iterate(system, *preconditioner_, {options_.tolerance, unit, options_.max_iterations}, observer, values, report);
+  check_overflow(report.residual);
   return solution;
 }
 

@@ -51,6 +51,12 @@ class March {
 
   TransientSolution<D> run() {
     state_ = stepper_.start(options_.begin);
+    if (on_step_) {
+      TransientStep<D> initial;
+      initial.time = options_.begin;
+      initial.values = state_.values;
+      on_step_(initial);
+    }
     options_.tolerance ? run_adaptive() : run_fixed();
     solution_.values = std::move(state_.values);
     solution_.matrix = stepper_.matrix().value_or(MatrixCheck{});
@@ -167,7 +173,7 @@ class March {
   [[noreturn]] void throw_too_many(double needed) const {
     throw LimitError(Fault{
         .id = "solve.too_many_steps",
-        .message = needed > 0 ? fmt::format("{:.0f} time steps are needed, and {} allowed", needed, options_.max_steps)
+        .message = needed > 0 ? fmt::format("{:.6g} time steps are needed, and {} allowed", needed, options_.max_steps)
                               : fmt::format("{} time steps reach time {:.6g} only", options_.max_steps, state_.time),
         .fix = "allow more steps, or make them longer"});
   }
