@@ -74,7 +74,8 @@ CaseValue read_case_file(const fs::path& path) {
   std::error_code ignored;
   std::ifstream file(path, std::ios::binary);
   std::ostringstream content;
-  if (!fs::is_regular_file(path, ignored) || !(content << file.rdbuf()))
+  const bool is_empty = fs::is_regular_file(path, ignored) && fs::is_empty(path, ignored);  // `<<` fails on nothing.
+  if (!fs::is_regular_file(path, ignored) || (!is_empty && !(content << file.rdbuf())))
     throw InputError(Fault{.id = "io.cannot_open",
                            .message = "cannot be read: a case file is wanted",
                            .fix = "give the name of a .toml file.",

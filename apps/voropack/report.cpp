@@ -182,6 +182,7 @@ Json to_json(const Report& report) {
   json["options"] = report.options;
   if (!report.input.file.empty()) json["input"] = input_json(report.input);
   if (report.domain) json["domain"] = input_json(*report.domain);
+  if (report.case_file) json["case"] = input_json(*report.case_file);
   if (report.quality) add_quality(json, *report.quality);
   if (report.packing) {
     json["packing"] = {{"repairs", report.packing->repairs}, {"repair_rounds", report.packing->repair_rounds}};

@@ -36,8 +36,9 @@ struct PackingFigures {
 struct Report {
   std::string command;
   Json options = Json::object();
-  InputFile input;                  ///< Of a command that reads no file, without name, and absent.
-  std::optional<InputFile> domain;  ///< What a mesh was compared with.
+  InputFile input;                     ///< Of a command that reads no file, without name, and absent.
+  std::optional<InputFile> domain;     ///< What a mesh was compared with.
+  std::optional<InputFile> case_file;  ///< Of the command solve.
   std::optional<QualityReport> quality;
   std::optional<Certificate> certificate;
   std::optional<PackingFigures> packing;

@@ -30,11 +30,19 @@ auto blame_case(const std::filesystem::path& file, Work&& work) {
 }
 
 template <int D>
+VertexValues errors_at_vertices(const Setting<D>& setting, const IdVector<VertexId, double>& values, double time) {
+  VertexValues errors(values.size());
+  exact_solution(setting.compiled, time)(setting.mesh.points.raw(), errors.raw());
+  for (const VertexId v : ids(errors)) errors[v] = values[v] - errors[v];
+  return errors;
+}
+
+template <int D>
 SolveErrors measure_errors(const Setting<D>& setting, const IdVector<VertexId, double>& values, double time) {
   const auto exact = exact_solution(setting.compiled, time);
   const auto gradient = exact_gradient(setting.compiled, time);
   const Mesh<D>& mesh = setting.mesh;
-  const VertexValues errors = vertex_errors<D>(mesh.points, values, exact);
+  const VertexValues errors = errors_at_vertices(setting, values, time);
   SolveErrors result;
   const auto& areas = setting.volumes.face_area;
   // Where areas are negative it is no norm.
@@ -58,18 +66,12 @@ SolveErrors measure_errors(const Setting<D>& setting, const IdVector<VertexId, d
   return result;
 }
 
+/// Incomplete Cholesky only where the case asks for it: slivers make it break down.
 template <int D>
 DiffusionSolution<D> solve_by_finite_elements(const Setting<D>& setting, Observer& observer) {
-  observer.begin_stage("assemble");
-  const DiffusionProblem<D> problem = make_problem(setting.compiled, 0);
   LinearOptions options = setting.given.newton.linear;
   if (!setting.given.has_preconditioner) options.preconditioner = fem_linear_options().preconditioner;
-  DiffusionSolution<D> solution;
-  solution.matrix = check_m_matrix(assemble_fem(setting.mesh, problem));
-  LinearSolution linear = solve_fem(setting.mesh, problem, options, observer);
-  solution.values = std::move(linear.values);
-  solution.linear = std::move(linear.report);
-  return solution;
+  return solve_fem(setting.mesh, make_problem(setting.compiled, 0), options, observer);
 }
 
 /// The problem at a time, with the integrals of a source that is a formula. Where it does not depend on time, it is
@@ -132,19 +134,19 @@ IdVector<VertexId, double> solve_stationary(const Setting<D>& setting, SolveFigu
 template <int D>
 SolutionArrays<D> to_arrays(const Setting<D>& setting, IdVector<VertexId, double> values, double time) {
   SolutionArrays<D> arrays;
-  if (setting.compiled.exact)
-    arrays.error = vertex_errors<D>(setting.mesh.points, values, exact_solution(setting.compiled, time));
+  if (setting.compiled.exact) arrays.error = errors_at_vertices(setting, values, time);
   arrays.u = std::move(values);
   return arrays;
 }
 
-/// Which accepted steps are written: the first to reach each multiple of the interval.
+/// Which states are written before the last: the initial one, and the first to reach each multiple of the interval.
 class Schedule {
  public:
   Schedule(const TimeOptions& options, std::optional<double> every)
       : begin_(options.begin), end_(options.end), every_(every) {}
 
   bool is_due(double time) {
+    if (time <= begin_) return true;
     if (!every_ || time >= end_) return false;
     constexpr double kRounding = 1e-9;  // Of an interval: times are sums of steps.
     if (time < begin_ + *every_ * (static_cast<double>(next_) - kRounding)) return false;
@@ -172,6 +174,8 @@ IdVector<VertexId, double> solve_in_time(const Setting<D>& setting, const StateC
   figures.time.emplace();
   Schedule schedule(options, setting.given.outputs.every);
   const auto on_step = [&](const TransientStep<D>& step) {
+    if (on_state && schedule.is_due(step.time)) on_state(step.time, to_arrays(setting, step.values, step.time));
+    if (step.length == 0) return;  // The initial state.
     const auto [least, largest] = std::minmax_element(step.values.begin(), step.values.end());
     figures.time->rows.push_back({.time = step.time,
                                   .length = step.length,
@@ -181,7 +185,6 @@ IdVector<VertexId, double> solve_in_time(const Setting<D>& setting, const StateC
                                   .balances = step.balances,
                                   .linear_iterations = step.linear_iterations,
                                   .newton_steps = step.newton.size()});
-    if (on_state && schedule.is_due(step.time)) on_state(step.time, to_arrays(setting, step.values, step.time));
   };
   TransientSolution<D> solution =
       solve_transient<D>(setting.volumes, setting.boundary, problem, options, on_step, observer);

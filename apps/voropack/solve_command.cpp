@@ -23,6 +23,7 @@ namespace {
 
 struct SolveArguments {
   fs::path file;
+  bool redelaunay = false;
   CaseOutputs outputs;  ///< What is given takes the place of what the case says.
 };
 
@@ -47,9 +48,13 @@ Json options_json(const Case& given) {
   return json;
 }
 
-std::string output_lines(const StagedSolution& staged) {
+std::string output_lines(const StagedSolution& staged, std::size_t n_states) {
   std::string text;
-  for (const fs::path& name : staged.names) text += "file              " + name.string() + '\n';
+  for (const fs::path& name : staged.names) {
+    text += "file              " + name.string();
+    if (name.extension() == ".pvd") text += fmt::format(", {} states", n_states);
+    text += '\n';
+  }
   return text;
 }
 
@@ -84,7 +89,7 @@ ExitCode finish_case(Setting<D>& setting, const StagedSolution& staged, Report& 
   clock.stop();
   if (const auto steps = report.times.extract("time steps"); !steps.empty()) report.times["solve"] += steps.mapped();
   report.solve = solve_json(solved.figures);
-  text += solve_tables(solved.figures) + timing_line(report.times) + output_lines(staged);
+  text += solve_tables(solved.figures) + timing_line(report.times) + output_lines(staged, writer.n_states());
   session.finish(report, text);
   return ExitCode::kDone;
 }
@@ -151,13 +156,20 @@ ExitCode run_solve(const SolveArguments& arguments, Session& session) {
 
   Report report;
   report.command = "solve";
-  report.options["case"] = given.file.string();
+  report.case_file = describe_file(given.file, {});
+  report.options["redelaunay"] = arguments.redelaunay;
   report.options.update(options_json(given));
   session.observer.begin_stage("read");
   if (given.mesh) {
-    AnyMesh mesh = timed(report.times, "read", [&] { return read_mesh(*given.mesh, session.observer); });
+    AnyMesh mesh = timed(report.times, "read",
+                         [&] { return read_mesh_or_triangulate(*given.mesh, arguments.redelaunay, session.observer); });
     return std::visit([&](auto& any) { return solve_on_mesh(given, std::move(any), staged, report, session); }, mesh);
   }
+  if (arguments.redelaunay)
+    throw OptionError(Fault{.id = "cli.contradiction",
+                            .message = "--redelaunay is given, and the case has a domain, whose mesh is Delaunay",
+                            .fix = "leave it out, or name a mesh under [mesh].",
+                            .file = given.file.string()});
   const AnyDomainInput input =
       timed(report.times, "read", [&] { return read_domain(*given.domain, session.observer); });
   return std::visit([&](const auto& any) { return solve_on_domain(given, any, staged, report, session); }, input);
@@ -179,6 +191,7 @@ Command add_solve_command(CLI::App& root, CommonOptions& common) {
       ->type_name("FILE.vtu");
   app->add_option("--fluxes", arguments->outputs.fluxes, "Table of what enters by marker, instead of output.fluxes")
       ->type_name("FILE.csv");
+  add_redelaunay_option(*app, arguments->redelaunay);
   add_common_options(*app, common);
   app->footer(
       "docs/case.md describes the case file. It needs a mesh or a domain, and conditions:\n"

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// heat.pvd -> heat_0001.vtu
+/// heat.pvd -> heat_0000.vtu, heat_0001.vtu, ...
 fs::path frame(const fs::path& series, std::size_t number) {
   return series.parent_path() / fmt::format("{}_{:04}.vtu", series.stem().string(), number);
 }
@@ -24,7 +24,7 @@ std::string pvd_text(const fs::path& series, std::span<const double> times) {
       "  <Collection>\n";
   for (std::size_t i = 0; i < times.size(); ++i)
     text += fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", times[i],
-                        frame(series, i + 1).filename().string());
+                        frame(series, i).filename().string());
   return text + "  </Collection>\n</VTKFile>\n";
 }
 
@@ -53,7 +53,7 @@ StagedSolution stage(const CaseOutputs& outputs, bool is_series, OutputSet& set)
 
 template <int D>
 fs::path SolutionWriter<D>::place(const fs::path& staged) const {
-  return staged_.is_series ? frame(staged, times_.size()) : staged;
+  return staged_.is_series ? frame(staged, times_.size() - 1) : staged;
 }
 
 template <int D>

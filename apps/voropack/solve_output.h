@@ -1,7 +1,7 @@
 // The files that the command solve writes.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -33,6 +33,7 @@ class SolutionWriter {
   void add(double time, const SolutionArrays<D>& arrays);
   /// Of a series, writes the list of its files.
   void finish() const;
+  [[nodiscard]] std::size_t n_states() const { return times_.size(); }
 
  private:
   /// Where the next state of an output goes.

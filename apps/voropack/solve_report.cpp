@@ -175,11 +175,9 @@ Json solve_json(const SolveFigures& figures) {
   set_number(json["matrix"], "largest_positive", matrix.largest_positive);
   json["linear"] = linear_json(figures.linear);
   if (figures.newton) json["newton"] = newton_json(*figures.newton);
-  if (figures.method == CaseMethod::kControlVolumes) {
-    json["fluxes"] = fluxes_json(figures.fluxes);
-    json["balances"] = balances_json(figures.balances, figures.time.has_value());
-    if (figures.compensation != 0) json["compensation"] = figures.compensation;
-  }
+  json["fluxes"] = fluxes_json(figures.fluxes);
+  json["balances"] = balances_json(figures.balances, figures.time.has_value());
+  if (figures.compensation != 0) json["compensation"] = figures.compensation;
   if (figures.time) json["time"] = time_json(*figures.time);
   if (figures.errors) {
     const SolveErrors& errors = *figures.errors;

@@ -1,5 +1,6 @@
 """voropack solve: exact solutions through the whole command, files, report, and cases that are refused."""
 import csv
+import hashlib
 import itertools
 import math
 import re
@@ -87,8 +88,10 @@ class ExactSolutions(SolveTest):
                     flat = method == "fem" and domain == "box.poly" or norm == "H1" and domain == "box.poly"
                     self.assertLess(figures["errors"][norm], 1e-15 / self.flattest() if flat else 1e-12, norm)
                 self.assertEqual(figures["method"], method)
+                self.assertEqual([flux["marker"] for flux in figures["fluxes"]],
+                                 [1, 2, 3, 4] if domain == "square.poly" else [1, 2, 3, 4, 5, 6])
+                self.assert_balanced(figures)
                 if method == "cvm":
-                    self.assert_balanced(figures)
                     self.assertTrue(figures["matrix"]["m_matrix"])
                     self.assertAlmostEqual(sum(flux["inflow"] for flux in figures["fluxes"]), 0, places=11)
 
@@ -101,10 +104,9 @@ class ExactSolutions(SolveTest):
                                  '[boundary.4]\ntype = "rate"\ntotal = -4\n'
                                  '[exact]\nu = "1 + 2*x - 3*y"')
             self.assertLess(figures["errors"]["max"], 1e-12)
-            if method == "cvm":
-                fluxes = {flux["marker"]: flux["inflow"] for flux in figures["fluxes"]}
-                for marker, inflow in {1: 6, 2: 4, 3: -6, 4: -4}.items():
-                    self.assertAlmostEqual(fluxes[marker], inflow, places=11)
+            fluxes = {flux["marker"]: flux["inflow"] for flux in figures["fluxes"]}
+            for marker, inflow in {1: 6, 2: 4, 3: -6, 4: -4}.items():
+                self.assertAlmostEqual(fluxes[marker], inflow, places=11)
                 self.assert_balanced(figures)
 
     def test_two_materials_are_exact(self):
@@ -218,8 +220,9 @@ class NonlinearAndTransient(SolveTest):
         self.assertLess(figures["errors"]["max"], 1e-12)
         files = [dataset.get("file")
                  for dataset in xml.etree.ElementTree.parse(self.folder / "out/u.pvd").getroot().iter("DataSet")]
-        self.assertEqual(files, [f"u_{i:04}.vtu" for i in range(1, 5)])
-        for i, file in enumerate(files, 1):
+        self.assertEqual(files, [f"u_{i:04}.vtu" for i in range(5)])
+        self.assertIn("u.pvd, 5 states", self.output)
+        for i, file in enumerate(files):
             mesh = meshio.read(self.folder / "out" / file)
             numpy.testing.assert_allclose(mesh.point_data["u"], mesh.points[:, 0] + 1.5 * i, atol=1e-12)
         with open(self.folder / "f.csv", newline="", encoding="utf-8") as file:
@@ -227,13 +230,14 @@ class NonlinearAndTransient(SolveTest):
         self.assertEqual({row["time"] for row in rows}, {str(row["time"]).removesuffix(".0")
                                                          for row in figures["time"]["series"]})
         self.assertEqual(sorted(path.name for path in (self.folder / "out").iterdir()),
-                         sorted(files + ["u.pvd", "cells.pvd"] + [f"cells_{i:04}.vtu" for i in range(1, 5)]))
+                         sorted(files + ["u.pvd", "cells.pvd"] + [f"cells_{i:04}.vtu" for i in range(5)]))
 
     def test_states_are_written_where_they_are_due(self):
         text = ('[boundary.others]\ntype = "dirichlet"\nvalue = 0\n'
                 '[time]\nend = 1\nstartup_steps = 0\nstep = {}\ninitial = 1\n[output]\nmesh = "u.vtu"\n{}')
-        for step, every, times in [(0.1, "every = 0.1", [k / 10 for k in range(1, 11)]),
-                                   (0.25, "every = 0.3", [0.5, 0.75, 1]), (0.1, "every = 3", [1]), (0.1, "", [1])]:
+        for step, every, times in [(0.1, "every = 0.1", [k / 10 for k in range(11)]),
+                                   (0.25, "every = 0.3", [0, 0.5, 0.75, 1]), (0.1, "every = 3", [0, 1]),
+                                   (0.1, "", [0, 1])]:
             self.solve(text.format(step, every))
             root = xml.etree.ElementTree.parse(self.folder / "u.pvd").getroot()
             numpy.testing.assert_allclose([float(dataset.get("timestep")) for dataset in root.iter("DataSet")], times,
@@ -274,6 +278,8 @@ class Outputs(SolveTest):
             self.assertIn(word, self.output)
         report = self.report()
         self.assertEqual((report["command"], report["input"]["dimension"]), ("solve", 2))
+        self.assertEqual(report["case"]["sha256"],
+                         hashlib.sha256((self.folder / "case.toml").read_bytes()).hexdigest())
         self.assert_certified(report["certificate"])
         self.assertLessEqual({"assemble", "solve", "write", "total"}, set(report["timing_s"]))
         self.assertEqual(figures["linear"]["residuals"][0], 1)
@@ -470,6 +476,36 @@ class Refusals(SolveTest):
         figures = self.solve('method = "fem"\n' + text + '[exact]\nu = "x"', domain=None)
         self.assertLess(figures["errors"]["max"], 1e-14)
         self.assertNotIn("W", figures["errors"])
+        figures = self.solve(text + '[exact]\nu = "x"', "--redelaunay", domain=None)
+        self.assertLess(figures["errors"]["max"], 1e-14)
+        self.assertTrue(figures["matrix"]["m_matrix"])
+        self.assertTrue(self.report()["options"]["redelaunay"])
+        self.case(self.GOOD)
+        self.fail_with(2, "solve", "case.toml", "--redelaunay", words="[mesh]")
+
+    def test_numbers_beyond_what_a_computer_holds(self):
+        for equation in ["source = 1e308", "conductivity = 1e308\nsource = 1", "conductivity = 5e-324\nsource = 1"]:
+            self.case(f"{self.GOOD}[equation]\n{equation}")
+            before = self.names()
+            self.fail_with(4, "solve", "case.toml", "-o", "new.vtu", words="solve.overflow")
+            self.assertEqual(self.names(), before)
+        self.fails(self.GOOD + "[equation]\nsource = 1e999", "case.toml:5:", "case.syntax")
+        self.fails("a = " + "[" * 100000, "case.syntax", domain=None)
+        self.fails("", "[mesh] or [domain]", domain=None)
+        self.case(self.GOOD + "[time]\nend = 1e300\nstep = 1")
+        self.fail_with(3, "solve", "case.toml", words="1e+300 time steps are needed")
+
+    def test_conductivities_that_jump(self):
+        # Two materials in series: the smaller one takes all of the drop.
+        for jump in (1e12, 1e-12):
+            figures = self.solve(f'[equation]\nconductivity = {{1 = 1.0, 2 = {jump}}}\n'
+                                 '[boundary.3]\ntype = "dirichlet"\nvalue = 0\n'
+                                 '[boundary.2]\ntype = "dirichlet"\nvalue = 1.0\n', domain="halves.poly")
+            flux = 1 / (1 + 1 / jump)
+            self.assertTrue(figures["matrix"]["m_matrix"])
+            for found, expected in zip(figures["fluxes"], [0, flux, -flux]):
+                self.assertAlmostEqual(found["inflow"] / flux, expected / flux, places=9)
+            self.assert_balanced(figures)
 
     def test_help(self):
         text = self.succeed("solve", "--help").stdout
