@@ -311,7 +311,11 @@ TEST(Transient, ConditionsMayBeginToHold) {
 TEST(Transient, TheInitialStateComesFirst) {
   const Strip s = strip(3, 1);
   TransientProblem<2> problem = steady(DiffusionProblem<2>{});
-  problem.at = [](double) { return DiffusionProblem<2>{.conditions = {{1, Dirichlet<2>{7.0}}}}; };
+  problem.at = [](double) {
+    DiffusionProblem<2> at;
+    at.conditions[1] = Dirichlet<2>{7.0};
+    return at;
+  };
   problem.initial = [](const Vec<2>& x, int) { return x[0]; };
   TimeOptions options;
   options.begin = 2;
