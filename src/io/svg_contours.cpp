@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <limits>
+#include <set>
+#include <utility>
 #include <vector>
 
 namespace voropack::io {
@@ -46,12 +50,51 @@ std::vector<Corner> clip(const std::vector<Corner>& polygon, double bound, doubl
     const double above_a = sign * (a.value - bound), above_b = sign * (b.value - bound);
     if (above_a >= 0) result.push_back(a);
     if ((above_a < 0 && above_b > 0) || (above_a > 0 && above_b < 0)) {
-      const double part = above_a / (above_a - above_b);
-      result.push_back({a.place + part * (b.place - a.place), bound});
+      // From the lower end to the upper, whoever asks: neighbors get the same point.
+      const Corner &low = a.value < b.value ? a : b, &high = a.value < b.value ? b : a;
+      const double part = (bound - low.value) / (high.value - low.value);
+      result.push_back({low.place + part * (high.place - low.place), bound});
     }
   }
   return result;
 }
+
+/// The outline of polygons of one orientation: what two of them pass in opposite directions is inside.
+class Outline {
+ public:
+  void add(const std::vector<Corner>& polygon, const Frame& frame) {
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Place a = frame.place(polygon[i].place), b = frame.place(polygon[(i + 1) % polygon.size()].place);
+      if (a == b) continue;
+      if (const auto opposite = edges_.find({b, a}); opposite != edges_.end())
+        edges_.erase(opposite);
+      else
+        edges_.emplace(a, b);
+    }
+  }
+
+  /// As many edges end in a place as begin there: a walk ends where it began.
+  void draw(Path& path) {
+    while (!edges_.empty()) {
+      const Place start = edges_.begin()->first;
+      path.move_to(start);
+      for (Place at = take_from(start); at != start; at = take_from(at)) path.line_to(at);
+      path.close();
+    }
+  }
+
+ private:
+  /// Removes an edge that begins there, and returns its end.
+  Place take_from(const Place& place) {
+    constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
+    const auto edge = edges_.lower_bound({place, {kLeast, kLeast}});
+    const Place end = edge->second;
+    edges_.erase(edge);
+    return end;
+  }
+
+  std::multiset<std::pair<Place, Place>> edges_;
+};
 
 }  // namespace
 
@@ -90,7 +133,7 @@ std::string ColorScale::label(std::size_t i) const {
 
 std::string contour_bands(const Mesh<2>& mesh, std::span<const double> values, const ColorScale& scale,
                           const Frame& frame) {
-  std::vector<Path> bands(scale.size(), Path(frame));
+  std::vector<Outline> bands(scale.size());
   for (const auto& corners : mesh.simplex_vertices) {
     std::vector<Corner> triangle;
     for (const VertexId v : corners) triangle.push_back({mesh.points[v], values[v.value()]});
@@ -101,18 +144,18 @@ std::string contour_bands(const Mesh<2>& mesh, std::span<const double> values, c
       std::vector<Corner> polygon = triangle;
       if (band > first) polygon = clip(polygon, scale.edge(band), 1);
       if (band < last) polygon = clip(polygon, scale.edge(band + 1), -1);
-      if (polygon.size() < 3) continue;
-      bands[band].move_to(polygon[0].place);
-      for (std::size_t i = 1; i < polygon.size(); ++i) bands[band].line_to(polygon[i].place);
-      bands[band].close();
+      bands[band].add(polygon, frame);
     }
   }
   // A line of the same colour covers the seams between neighbours.
   std::string svg;
-  for (std::size_t band = 0; band < scale.size(); ++band)
-    if (!bands[band].data().empty())
+  for (std::size_t band = 0; band < scale.size(); ++band) {
+    Path path(frame);
+    bands[band].draw(path);
+    if (!path.data().empty())
       svg += fmt::format("<path fill=\"{0}\" stroke=\"{0}\" stroke-width=\"8\" d=\"{1}\"/>\n", scale.color(band),
-                         bands[band].data());
+                         path.data());
+  }
   return svg;
 }
 

@@ -32,7 +32,7 @@ class ColorScale {
   std::size_t n_bands_ = 1;
 };
 
-/// One path per band: the parts of the triangles where the P1 function of `values` is in it.
+/// One path per band: the outline of where the P1 function of `values` is in it.
 std::string contour_bands(const Mesh<2>& mesh, std::span<const double> values, const ColorScale& scale,
                           const Frame& frame);
 

@@ -16,6 +16,9 @@ namespace voropack::io {
 inline constexpr double kPictureSize = 10000;
 inline constexpr double kMargin = 0.02 * kPictureSize;
 
+/// A point of the picture.
+using Place = std::array<std::int64_t, 2>;
+
 /// Maps the domain to the picture: y upwards becomes y downwards.
 class Frame {
  public:
@@ -26,7 +29,7 @@ class Frame {
     width = extent[0] * scale_ + 2 * kMargin;
     height = extent[1] * scale_ + 2 * kMargin;
   }
-  [[nodiscard]] std::array<std::int64_t, 2> place(const Vec<2>& p) const {
+  [[nodiscard]] Place place(const Vec<2>& p) const {
     return {std::llround((p[0] - box_.lo[0]) * scale_ + kMargin), std::llround((box_.hi[1] - p[1]) * scale_ + kMargin)};
   }
   double width = 0, height = 0;
@@ -40,8 +43,10 @@ class Frame {
 class Path {
  public:
   explicit Path(const Frame& frame) : frame_(frame) {}
-  void move_to(const Vec<2>& p) { add('m', p); }
-  void line_to(const Vec<2>& p) { add('l', p); }
+  void move_to(const Vec<2>& p) { move_to(frame_.place(p)); }
+  void line_to(const Vec<2>& p) { line_to(frame_.place(p)); }
+  void move_to(const Place& p) { add('m', p); }
+  void line_to(const Place& p) { add('l', p); }
   void close() {
     data_ += 'z';
     at_ = start_;
@@ -50,8 +55,7 @@ class Path {
   [[nodiscard]] const std::string& data() const { return data_; }
 
  private:
-  void add(char command, const Vec<2>& p) {
-    const auto next = frame_.place(p);
+  void add(char command, const Place& next) {
     if (command != command_) data_ += command;
     append(next[0] - at_[0], command == command_);
     append(next[1] - at_[1], true);
@@ -66,7 +70,7 @@ class Path {
   }
   const Frame& frame_;
   std::string data_;
-  std::array<std::int64_t, 2> at_{}, start_{};
+  Place at_{}, start_{};
   char command_ = ' ';
 };
 
