@@ -97,6 +97,11 @@ ExitCode finish_case(Setting<D>& setting, const StagedSolution& staged, Report& 
 template <int D>
 ExitCode solve_on_mesh(const Case& given, Mesh<D> mesh, const StagedSolution& staged, Report& report,
                        Session& session) {
+  if (mesh.simplex_vertices.empty())
+    throw InputError(Fault{.id = "case.empty_mesh",
+                           .message = "the mesh has no simplices",
+                           .fix = "give a mesh, or a domain under [domain].",
+                           .file = given.mesh->string()});
   Setting<D> setting{.given = given, .compiled = compile_case<D>(given), .mesh = std::move(mesh)};
   report.input = describe_file(*given.mesh, D);
   setting.volumes = timed(report.times, "dual", [&] { return build_control_volumes(setting.mesh, session.observer); });

@@ -17,7 +17,7 @@ namespace {
 }
 
 void check_size(double size, const std::string& what) {
-  if (std::isfinite(size) && size > 0) return;
+  if (std::isfinite(size) && size / 2 > 0) return;  // Spheres of half the size have to be some.
   fail("spacing.bad_size", fmt::format("{} is {}, which is no length", what, size), "give a number greater than 0");
 }
 

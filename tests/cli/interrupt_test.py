@@ -10,12 +10,14 @@ PATIENCE = 20  # Seconds that a loaded machine may need to stop; the program its
 
 
 class Interrupt(CommandLineTest):
-    def interrupt_after(self, seconds, number=signal.SIGINT):
+    MESH = ["mesh", "box.poly", "-o", "new/a.vtu", "-o", "a.node", "--report", "r.json", "--size", "0.01"]
+
+    def interrupt_after(self, seconds, number=signal.SIGINT, arguments=MESH):
         self.write("box.poly", box_poly())
         self.write("a.ele", "old")
-        process = subprocess.Popen([PROGRAM, "mesh", "box.poly", "-o", "new/a.vtu", "-o", "a.node", "--report", "r.json",
-                                    "--size", "0.01"], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   text=True)
+        before = self.names()
+        process = subprocess.Popen([PROGRAM, *arguments], cwd=self.folder, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
         time.sleep(seconds)
         self.assertIsNone(process.poll(), "the run is long enough to be interrupted")
         process.send_signal(number)
@@ -28,7 +30,7 @@ class Interrupt(CommandLineTest):
         self.assertEqual(process.returncode, 128 + number, err)
         self.assertEqual(out, "")
         self.assertIn("interrupted", err)
-        self.assertEqual(self.names(), ["a.ele", "box.poly"])
+        self.assertEqual(self.names(), before)
         self.assertEqual((self.folder / "a.ele").read_text(), "old")
 
     def test_at_once(self):
@@ -39,6 +41,12 @@ class Interrupt(CommandLineTest):
 
     def test_termination(self):
         self.interrupt_after(1, signal.SIGTERM)
+
+    def test_a_solution_in_time(self):
+        self.write("case.toml", '[domain]\nfile = "box.poly"\nsize = 0.2\n[time]\nend = 1\nstep = 1e-6\n'
+                                '[boundary.others]\ntype = "dirichlet"\nvalue = "t"\n'
+                                '[output]\nmesh = "new/u.vtu"\ncells = "cells.vtu"\nevery = 1e-5\n')
+        self.interrupt_after(1.5, arguments=["solve", "case.toml", "--fluxes", "f.csv", "--report", "r.json"])
 
 
 class Progress(CommandLineTest):

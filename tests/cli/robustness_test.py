@@ -178,11 +178,16 @@ class FullDisk(CommandLineTest):
         """A limit on the size of files stands for a full disk: writing fails in the middle, too."""
         self.write("box.poly", box_poly())
         self.succeed("mesh", "box.poly", "-o", "whole.node", "--size", "0.15", "--cells", "whole.vtu")
+        case = ('[mesh]\nfile = "whole.node"\n[boundary.others]\ntype = "dirichlet"\nvalue = "x"\n'
+                '[output]\nmesh = "new/u.vtu"\n')
+        self.write("still.toml", case)
+        self.write("moving.toml", case + "every = 0.1\n[time]\nend = 1\n")
         before = self.names()
         for arguments in [["mesh", "box.poly", "--size", "0.15", "-o", "new/a.vtu"],
                           ["mesh", "box.poly", "--size", "0.15", "-o", "a.vtu", "--cells", "new/cells.vtu"],
                           ["mesh", "box.poly", "--size", "0.15", "-o", "./whole.node"],
-                          ["convert", "whole.node", "a.vtu"]]:
+                          ["convert", "whole.node", "a.vtu"],
+                          ["solve", "still.toml"], ["solve", "moving.toml", "--cells", "cells.vtu"]]:
             with self.subTest(arguments=arguments):
                 result = subprocess.run(
                     [PROGRAM, *arguments], cwd=self.folder, text=True, capture_output=True, timeout=120,

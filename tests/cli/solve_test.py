@@ -484,6 +484,12 @@ class Refusals(SolveTest):
         self.case(self.GOOD)
         self.fail_with(2, "solve", "case.toml", "--redelaunay", words="[mesh]")
 
+    def test_a_mesh_of_nothing(self):
+        self.write("none.node", "0 2 0 0\n")
+        self.write("none.ele", "0 3 0\n")
+        for method in ["cvm", "fem"]:
+            self.fails(f'method = "{method}"\n[mesh]\nfile = "none.node"\n', "none.node", "case.empty_mesh", domain=None)
+
     def test_numbers_beyond_what_a_computer_holds(self):
         for equation in ["source = 1e308", "conductivity = 1e308\nsource = 1", "conductivity = 1e-300\nsource = 1e10"]:
             self.case(f"{self.GOOD}[equation]\n{equation}")
@@ -491,6 +497,8 @@ class Refusals(SolveTest):
             self.fail_with(4, "solve", "case.toml", "-o", "new.vtu", words="solve.overflow")
             self.assertEqual(self.names(), before)
         self.fails(self.GOOD + "[equation]\nsource = 1e999", "case.toml:5:", "case.syntax")
+        self.case(self.GOOD, size=5e-324)
+        self.fail_with(2, "solve", "case.toml", words="spacing.bad_size")
         self.fails("a = " + "[" * 100000, "case.syntax", domain=None)
         self.fails("", "[mesh] or [domain]", domain=None)
         self.case(self.GOOD + "[time]\nend = 1e300\nstep = 1")
