@@ -121,10 +121,8 @@ void read_linear(CaseTable& file, Case& result) {
   if (!table) return;
   LinearOptions& linear = result.newton.linear;
   set(linear.method, table->take_choice("method", {"automatic", "direct", "conjugate-gradients"}));
-  const std::optional<std::size_t> preconditioner =
-      table->take_choice("preconditioner", {"diagonal", "incomplete-cholesky"});
-  set(linear.preconditioner, preconditioner);
-  result.has_preconditioner = preconditioner.has_value();
+  set(result.preconditioner,
+      table->take_choice("preconditioner", {"automatic", "multigrid", "incomplete-cholesky", "diagonal"}));
   set(linear.tolerance, table->take_positive("tolerance", 0.1));
   set(linear.max_iterations, table->take_whole("max_iterations", 1, kMaxIterations));
   table->finish();

@@ -55,6 +55,13 @@ struct CaseExact {
   std::vector<CaseFormula> gradient;  ///< Empty: that of u.
 };
 
+enum class CasePreconditioner : std::uint8_t {
+  kAutomatic,  ///< Multigrid for large systems; else incomplete Cholesky, with finite elements diagonal.
+  kMultigrid,
+  kIncompleteCholesky,
+  kDiagonal,
+};
+
 enum class CaseMethod : std::uint8_t { kControlVolumes, kFiniteElements };
 
 struct CaseOutputs {
@@ -81,7 +88,7 @@ struct Case {
   std::optional<CaseTime> time;  ///< Absent: stationary.
   NewtonOptions newton;          ///< Its `linear` holds for linear problems as well.
   std::optional<CaseCoefficient> newton_initial;
-  bool has_preconditioner = false;  ///< Whether the file chose it.
+  CasePreconditioner preconditioner = CasePreconditioner::kAutomatic;
   CaseOutputs outputs;
 };
 

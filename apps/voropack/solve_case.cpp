@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "figure3.h"
@@ -66,12 +67,17 @@ SolveErrors measure_errors(const Setting<D>& setting, const IdVector<VertexId, d
   return result;
 }
 
-/// Incomplete Cholesky only where the case asks for it: slivers make it break down.
+/// What multigrid does not precondition is left to incomplete Cholesky, or with finite elements, where slivers make it
+/// break down, to the diagonal.
 template <int D>
-DiffusionSolution<D> solve_by_finite_elements(const Setting<D>& setting, Observer& observer) {
-  LinearOptions options = setting.given.newton.linear;
-  if (!setting.given.has_preconditioner) options.preconditioner = fem_linear_options().preconditioner;
-  return solve_fem(setting.mesh, make_problem(setting.compiled, 0), options, observer);
+NewtonOptions solver_options(const Case& given, MultigridMaker<D>& multigrid) {
+  NewtonOptions options = given.newton;
+  options.linear.own_preconditioner = std::ref(multigrid);
+  const bool is_diagonal =
+      given.preconditioner == CasePreconditioner::kDiagonal ||
+      (given.preconditioner != CasePreconditioner::kIncompleteCholesky && given.method == CaseMethod::kFiniteElements);
+  options.linear.preconditioner = is_diagonal ? PreconditionerKind::kDiagonal : PreconditionerKind::kIncompleteCholesky;
+  return options;
 }
 
 /// The problem at a time, with the integrals of a source that is a formula. Where it does not depend on time, it is
@@ -109,10 +115,11 @@ void add_flows(DiffusionSolution<D>& solution, SolveFigures& figures) {
 }
 
 template <int D>
-IdVector<VertexId, double> solve_stationary(const Setting<D>& setting, SolveFigures& figures, Observer& observer) {
+IdVector<VertexId, double> solve_stationary(const Setting<D>& setting, const NewtonOptions& options,
+                                            SolveFigures& figures, Observer& observer) {
   DiffusionSolution<D> solution;
   if (setting.given.method == CaseMethod::kFiniteElements) {
-    solution = solve_by_finite_elements(setting, observer);
+    solution = solve_fem(setting.mesh, make_problem(setting.compiled, 0), options.linear, observer);
   } else {
     observer.begin_stage("assemble");
     const DiffusionProblem<D> problem = ProblemInTime<D>(setting)(0);
@@ -120,11 +127,11 @@ IdVector<VertexId, double> solve_stationary(const Setting<D>& setting, SolveFigu
       IdVector<VertexId, double> initial;
       if (setting.given.newton_initial) initial = vertex_values(setting.compiled.newton_initial, setting.mesh);
       NonlinearSolution<D> nonlinear =
-          solve_nonlinear(setting.volumes, setting.boundary, problem, initial, setting.given.newton, observer);
+          solve_nonlinear(setting.volumes, setting.boundary, problem, initial, options, observer);
       solution = std::move(nonlinear.state);
       figures.newton = std::move(nonlinear.newton);
     } else {
-      solution = solve(setting.volumes, setting.boundary, problem, setting.given.newton.linear, observer);
+      solution = solve(setting.volumes, setting.boundary, problem, options.linear, observer);
     }
   }
   add_flows(solution, figures);
@@ -161,8 +168,8 @@ class Schedule {
 };
 
 template <int D>
-IdVector<VertexId, double> solve_in_time(const Setting<D>& setting, const StateCallback<D>& on_state,
-                                         SolveFigures& figures, Observer& observer) {
+IdVector<VertexId, double> solve_in_time(const Setting<D>& setting, const NewtonOptions& solvers,
+                                         const StateCallback<D>& on_state, SolveFigures& figures, Observer& observer) {
   const CaseTime& time = *setting.given.time;
   ProblemInTime<D> problem_at(setting);
   TransientProblem<D> problem;
@@ -170,7 +177,7 @@ IdVector<VertexId, double> solve_in_time(const Setting<D>& setting, const StateC
   problem.capacity = to_coefficient<D>(setting.compiled.capacity, 0);
   problem.initial = to_coefficient<D>(setting.compiled.initial, 0);
   TimeOptions options = time.options;
-  options.newton = setting.given.newton;
+  options.newton = solvers;
   figures.time.emplace();
   Schedule schedule(options, setting.given.outputs.every);
   const auto on_step = [&](const TransientStep<D>& step) {
@@ -204,10 +211,13 @@ Solved<D> solve_case(const Setting<D>& setting, const StateCallback<D>& on_state
   SolveFigures& figures = result.figures;
   figures.method = setting.given.method;
   const double end = setting.given.time ? setting.given.time->options.end : 0;
+  MultigridMaker<D> multigrid(setting.mesh, setting.given, observer);
+  const NewtonOptions options = solver_options(setting.given, multigrid);
   IdVector<VertexId, double> values = blame_case(setting.given.file, [&] {
-    return setting.given.time ? solve_in_time(setting, on_state, figures, observer)
-                              : solve_stationary(setting, figures, observer);
+    return setting.given.time ? solve_in_time(setting, options, on_state, figures, observer)
+                              : solve_stationary(setting, options, figures, observer);
   });
+  figures.multigrid = multigrid.figures();
   const auto [least, largest] = std::minmax_element(values.begin(), values.end());
   figures.least = *least;
   figures.largest = *largest;

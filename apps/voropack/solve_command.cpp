@@ -60,7 +60,7 @@ std::string output_lines(const StagedSolution& staged, std::size_t n_states) {
 
 std::string timing_line(const StageTimes& times) {
   std::string text = "wall time";
-  for (const char* name : {"assemble", "solve"})
+  for (const char* name : {"assemble", "coarsen", "multigrid", "solve"})
     if (const auto found = times.find(name); found != times.end())
       text += fmt::format("{}{} {:.3g} s", text == "wall time" ? std::string(9, ' ') : ", ", name, found->second);
   return text + '\n';

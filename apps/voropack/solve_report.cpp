@@ -83,6 +83,28 @@ Json linear_json(const LinearReport& linear) {
   return json;
 }
 
+/// Nothing where multigrid was not wanted.
+std::string multigrid_lines(const MultigridFigures& multigrid) {
+  std::string text;
+  if (multigrid.made)
+    text += fmt::format("{:<18}{} levels down to {} unknowns, operator complexity {:.3g}\n", "multigrid",
+                        multigrid.made->levels.size(), grouped(multigrid.made->levels.back().n_unknowns),
+                        multigrid.made->operator_complexity);
+  if (!multigrid.refused.empty()) text += fmt::format("{:<18}not used: {}\n", "multigrid", multigrid.refused);
+  return text;
+}
+
+Json multigrid_json(const MultigridFigures& multigrid) {
+  Json json = Json::object();
+  if (multigrid.made) {
+    json["unknowns"] = Json::array();
+    for (const MultigridLevelReport& level : multigrid.made->levels) json["unknowns"].push_back(level.n_unknowns);
+    json["operator_complexity"] = multigrid.made->operator_complexity;
+  }
+  if (!multigrid.refused.empty()) json["refused"] = multigrid.refused;
+  return json;
+}
+
 Json newton_json(const NewtonReport& newton) {
   Json json = Json::object();
   set_number(json, "first_residual", newton.first_residual);
@@ -161,7 +183,8 @@ std::string solve_tables(const SolveFigures& figures) {
     text += fmt::format("{:<18}{} steps, residual {:.2g}\n", "Newton", figures.newton->steps.size(),
                         figures.newton->residual);
   text += fmt::format("{:<18}{}\n", "matrix", matrix_line(figures.matrix));
-  return text + fmt::format("{:<18}{}\n", "linear system", linear_line(figures.linear));
+  text += fmt::format("{:<18}{}\n", "linear system", linear_line(figures.linear));
+  return text + multigrid_lines(figures.multigrid);
 }
 
 Json solve_json(const SolveFigures& figures) {
@@ -174,6 +197,7 @@ Json solve_json(const SolveFigures& figures) {
                     {"floating", matrix.n_floating}};
   set_number(json["matrix"], "largest_positive", matrix.largest_positive);
   json["linear"] = linear_json(figures.linear);
+  if (Json multigrid = multigrid_json(figures.multigrid); !multigrid.empty()) json["multigrid"] = std::move(multigrid);
   if (figures.newton) json["newton"] = newton_json(*figures.newton);
   json["fluxes"] = fluxes_json(figures.fluxes);
   json["balances"] = balances_json(figures.balances, figures.time.has_value());

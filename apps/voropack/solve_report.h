@@ -8,6 +8,7 @@
 
 #include "case.h"
 #include "report.h"
+#include "solve_multigrid.h"
 #include "voropack/diffusion.h"
 
 namespace voropack::app {
@@ -43,6 +44,7 @@ struct SolveFigures {
   std::vector<RegionBalance> balances;
   MatrixCheck matrix;
   LinearReport linear;
+  MultigridFigures multigrid;
   double compensation = 0;
   std::optional<NewtonReport> newton;
   std::optional<TimeFigures> time;  ///< `fluxes` and `balances` are then those of the last step.

@@ -102,7 +102,7 @@ void solve_loads(const std::string& what, LinearSystem system, const std::shared
                  int n_loads) {
   LinearOptions options;
   options.method = LinearMethod::kConjugateGradients;
-  options.own_preconditioner = own;
+  if (own) options.own_preconditioner = [own](const LinearSystem&) { return own; };
   options.tolerance = 1e-8;
   const IdVector<VertexId, double> load = system.load;
   const Clock clock;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -59,6 +60,9 @@ class Preconditioner {
   [[nodiscard]] virtual std::string name() const = 0;
 };
 
+/// Makes the preconditioner of a system. Where it returns nothing, that of LinearOptions::preconditioner is used.
+using PreconditionerMaker = std::function<std::shared_ptr<const Preconditioner>(const LinearSystem&)>;
+
 enum class LinearMethod : std::uint8_t {
   kAutomatic,  ///< Direct up to LinearOptions::max_direct free vertices, else iterative.
   kDirect,     ///< Sparse LDL^T (LU where not symmetric) with minimum degree ordering, and one step of refinement.
@@ -75,7 +79,7 @@ enum class PreconditionerKind : std::uint8_t {
 struct LinearOptions {
   LinearMethod method = LinearMethod::kAutomatic;
   PreconditionerKind preconditioner = PreconditionerKind::kIncompleteCholesky;
-  std::shared_ptr<const Preconditioner> own_preconditioner;  ///< Used instead, if there is one.
+  PreconditionerMaker own_preconditioner;  ///< Asked first, if there is one, where iterations need a preconditioner.
   double tolerance = 1e-12;  ///< Residual norm relative to that of the solution 0 at free vertices. In (0, 1).
   int max_iterations = 20'000;
   std::size_t max_direct = 5'000;  ///< Beyond, fill makes it slower: in space 0.2 s for 4000 unknowns, 3 s for 13,000.

@@ -109,7 +109,7 @@ class Multigrid final : public Preconditioner {
   MultigridReport report_;
 };
 
-/// The same as a value for LinearOptions::own_preconditioner.
+/// The same as a value that LinearOptions::own_preconditioner can return.
 std::shared_ptr<const Multigrid> make_multigrid(const LinearSystem& system, std::span<const MultigridLevel> levels,
                                                 const MultigridOptions& options = {});
 

@@ -28,7 +28,8 @@ void check_options(const LinearOptions& options) {
 }
 
 std::shared_ptr<const Preconditioner> make_preconditioner(const LinearSystem& system, const LinearOptions& options) {
-  if (options.own_preconditioner) return options.own_preconditioner;
+  if (options.own_preconditioner)
+    if (auto own = options.own_preconditioner(system)) return own;
   if (options.preconditioner == PreconditionerKind::kDiagonal) return std::make_shared<DiagonalPreconditioner>(system);
   if (!system.is_symmetric) return std::make_shared<IncompleteLu>(system);
   return std::make_shared<IncompleteCholesky>(system);

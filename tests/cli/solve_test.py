@@ -258,6 +258,71 @@ class NonlinearAndTransient(SolveTest):
         self.assertAlmostEqual(fluxes[2], 3, places=10)
 
 
+class MultigridCases(SolveTest):
+    ITERATE = '[linear]\nmethod = "conjugate-gradients"\npreconditioner = "{}"\n'
+    PROBLEMS = {
+        "jumps": '[equation]\nconductivity = {{1 = 1.0, 2 = {jump}}}\nsource = "x*y"\n'
+                 '[boundary.{left}]\ntype = "dirichlet"\nvalue = "1 + y"\n'
+                 '[boundary.{right}]\ntype = "robin"\ntransfer = 2\noutside = 5\n',
+        "neumann": '[equation]\nmean = 7.0\n'
+                   '[boundary.{left}]\ntype = "neumann"\ninflow = -2\n'
+                   '[boundary.{right}]\ntype = "neumann"\ninflow = 2\n',
+        "nonlinear": '[equation]\nconductivity = "1 + u^2"\n'
+                     '[boundary.{left}]\ntype = "dirichlet"\nvalue = 0\n'
+                     '[boundary.{right}]\ntype = "dirichlet"\nvalue = 1\n',
+        "time": '[time]\nend = 1\nstep = 0.5\n'
+                '[boundary.{left}]\ntype = "dirichlet"\nvalue = 0\n'
+                '[boundary.{right}]\ntype = "dirichlet"\nvalue = 1\n'}
+    DOMAINS = {"halves.poly": (3, 2, 0.03), "boxes.poly": (1, 3, 0.15)}
+
+    def test_solutions_are_those_of_other_preconditioners(self):
+        for (name, text), (domain, (left, right, size)) in itertools.product(self.PROBLEMS.items(),
+                                                                            self.DOMAINS.items()):
+            with self.subTest(name=name, domain=domain):
+                text = text.format(left=left, right=right, jump=1e6)
+                plain = self.solve(text + self.ITERATE.format("incomplete-cholesky"), domain=domain, size=size)
+                self.assertNotIn("multigrid", plain)
+                figures = self.solve(text + self.ITERATE.format("multigrid"), domain=domain, size=size)
+                self.assertGreaterEqual(len(figures["multigrid"]["unknowns"]), 2)
+                self.assertLess(figures["multigrid"]["operator_complexity"], 2)
+                if name != "nonlinear":  # The derivative of its conductivity makes the matrix unsymmetric.
+                    self.assertNotIn("refused", figures["multigrid"])
+                    self.assertEqual(figures["linear"]["preconditioner"], "multigrid")
+                    self.assertLessEqual(figures["linear"]["iterations"], 20)
+                    self.assertIn("multigrid         ", self.output)
+                self.assertLessEqual({"coarsen", "multigrid", "solve"}, set(self.report()["timing_s"]))
+                if name != "jumps":  # Where values have the digits, see test_conductivities_that_jump.
+                    self.assert_balanced(figures)
+                for end in ("min", "max"):
+                    self.assertAlmostEqual(figures["solution"][end], plain["solution"][end], places=6)
+
+    def test_finite_elements_take_it_too(self):
+        text = 'method = "fem"\n[boundary.others]\ntype = "dirichlet"\nvalue = "1 + x - z"\n[exact]\nu = "1 + x - z"\n'
+        figures = self.solve(text + self.ITERATE.format("multigrid"), domain="box.poly", size=0.1)
+        self.assertEqual(figures["linear"]["preconditioner"], "multigrid")
+        self.assertLess(figures["errors"]["max"], 1e-9)
+
+    def test_large_systems_take_it_unasked(self):
+        text = '[boundary.others]\ntype = "dirichlet"\nvalue = "x"\n[exact]\nu = "x"\n'
+        large = self.solve(text, size=0.01)
+        self.assertGreater(large["linear"]["unknowns"], 10000)
+        self.assertEqual(large["linear"]["preconditioner"], "multigrid")
+        self.assertLess(large["errors"]["max"], 1e-9)
+        self.assertEqual(self.solve(text, size=0.014)["linear"]["preconditioner"], "incomplete Cholesky")
+        self.assertEqual(self.solve(text + '[linear]\npreconditioner = "diagonal"\n', size=0.01)["linear"]
+                         ["preconditioner"], "diagonal")
+
+    def test_meshes_that_cannot_be_coarsened_take_another(self):
+        self.write("square.node", "4 2\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n")
+        self.write("square.ele", "2 3\n1 1 2 3\n2 1 3 4\n")
+        figures = self.solve('[mesh]\nfile = "square.node"\n[boundary.others]\ntype = "robin"\ntransfer = 1\n'
+                             'outside = 3\n' + self.ITERATE.format("multigrid"), domain=None)
+        self.assertIn("allows no coarser one", figures["multigrid"]["refused"])
+        self.assertIn("multigrid         not used: the boundary", self.output)
+        self.assertEqual(figures["linear"]["preconditioner"], "incomplete Cholesky")
+        self.assertAlmostEqual(figures["solution"]["min"], 3, places=12)
+
+
 class Outputs(SolveTest):
     TEXT = '[boundary.others]\ntype = "dirichlet"\nvalue = "x^2 + y"\n[equation]\nsource = "exp(x)"\n'
 
@@ -303,6 +368,8 @@ class Outputs(SolveTest):
         cases = [(self.TEXT, "square.poly", 0.05), (self.TEXT, "box.poly", 0.15),
                  ('method = "fem"\n' + self.TEXT, "box.poly", 0.15),
                  (self.TEXT + '[linear]\nmethod = "conjugate-gradients"\n', "box.poly", 0.15),
+                 (self.TEXT + '[linear]\nmethod = "conjugate-gradients"\npreconditioner = "multigrid"\n', "box.poly",
+                  0.08),
                  ('[equation]\nconductivity = "1 + u^2"\n[boundary.others]\ntype = "dirichlet"\nvalue = "x"',
                   "box.poly", 0.2)]
         for text, domain, size in cases:

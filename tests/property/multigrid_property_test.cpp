@@ -34,7 +34,7 @@ Figures figures_of(const test::NestedHierarchy& hierarchy, bool with_matrices, M
   EXPECT_LE(multigrid->report().operator_complexity, with_matrices ? 1.35 : 2.0);
   LinearOptions linear;
   linear.method = LinearMethod::kConjugateGradients;
-  linear.own_preconditioner = multigrid;
+  linear.own_preconditioner = [multigrid](const LinearSystem&) { return multigrid; };
   linear.tolerance = 1e-8;
   return {
       .contraction = solve_by_multigrid(hierarchy.system, *multigrid, {.starts_with_full = false}).report.contraction,

@@ -112,7 +112,7 @@ class CountingPreconditioner final : public Preconditioner {
 TEST(LinearSolver, TakesAPreconditionerOfTheCallers) {
   LinearOptions options = iterative(PreconditionerKind::kDiagonal);
   const auto own = std::make_shared<CountingPreconditioner>();
-  options.own_preconditioner = own;
+  options.own_preconditioner = [own](const LinearSystem&) { return own; };
   const LinearReport report = solve_linear_system(grid_system(10), options).report;
   EXPECT_EQ(report.preconditioner, "none");
   EXPECT_EQ(own->n_calls, report.n_iterations);

@@ -211,7 +211,7 @@ double largest_value(const IdVector<VertexId, double>& a) {
 LinearOptions preconditioned(std::shared_ptr<const Multigrid> multigrid) {
   LinearOptions options;
   options.method = LinearMethod::kConjugateGradients;
-  options.own_preconditioner = std::move(multigrid);
+  options.own_preconditioner = [multigrid](const LinearSystem&) { return multigrid; };
   options.tolerance = 1e-10;
   return options;
 }

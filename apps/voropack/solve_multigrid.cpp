@@ -1,0 +1,103 @@
+#include "solve_multigrid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "voropack/coarsening.h"
+#include "voropack/error.h"
+
+namespace voropack::app {
+
+namespace {
+
+/// Unknowns from which on coarsening pays for itself, in one solution and in the many of a case in time:
+/// docs/theory/multigrid.md has the measurements.
+template <int D>
+constexpr std::uint64_t kLargeSystem = D == 2 ? 10'000 : 500'000;
+template <int D>
+constexpr std::uint64_t kLargeInTime = D == 2 ? 10'000 : 30'000;
+
+/// From level to level. Larger factors cost more in iterations than they save in levels.
+template <int D>
+constexpr double kGrowth = D == 2 ? 1.6 : 1.5;
+
+/// Vertices of the coarsest level, about: few enough to be solved for directly in no time.
+constexpr double kCoarsest = 2000;
+
+/// Passes on whether to stop, and nothing else: the stages of coarsening are not those of a solution.
+class StopObserver final : public Observer {
+ public:
+  explicit StopObserver(const Observer& outer) : outer_(outer) {}
+  [[nodiscard]] bool cancelled() const override { return outer_.cancelled(); }
+
+ private:
+  const Observer& outer_;
+};
+
+template <int D>
+CoarseningOptions coarsening_options(std::size_t n_vertices) {
+  CoarseningOptions options;
+  options.growth = kGrowth<D>;
+  const double factor = D * std::log(options.growth);  // Between levels, as a logarithm.
+  options.levels =
+      std::max(1, static_cast<int>(std::lround(std::log(static_cast<double>(n_vertices) / kCoarsest) / factor)));
+  return options;
+}
+
+}  // namespace
+
+template <int D>
+bool MultigridMaker<D>::is_wanted(const LinearSystem& system) const {
+  if (given_.preconditioner != CasePreconditioner::kAutomatic)
+    return given_.preconditioner == CasePreconditioner::kMultigrid;
+  const auto n_unknowns = std::count(system.is_fixed.begin(), system.is_fixed.end(), 0);
+  return static_cast<std::uint64_t>(n_unknowns) >= (given_.time ? kLargeInTime<D> : kLargeSystem<D>);
+}
+
+template <int D>
+void MultigridMaker<D>::make_levels() {
+  is_coarsened_ = true;
+  observer_.begin_stage("coarsen");
+  StopObserver stop(observer_);
+  CoarseningHierarchy<D> hierarchy = coarsen(mesh_, coarsening_options<D>(mesh_.points.size()), stop);
+  for (CoarseLevel<D>& level : hierarchy.levels)
+    levels_.push_back({std::move(level.prolongation), std::move(level.finest_vertex)});
+  if (levels_.empty())
+    throw InputError(Fault{.id = "case.no_coarser_mesh",
+                           .message = "the boundary of the mesh allows no coarser one",
+                           .fix = "choose another preconditioner."});
+}
+
+template <int D>
+std::shared_ptr<const Preconditioner> MultigridMaker<D>::operator()(const LinearSystem& system) {
+  if (!is_wanted(system)) return nullptr;
+  const auto refuse = [&](const Error& error) {
+    figures_.refused = error.faults().front().message;
+    observer_.begin_stage("solve");
+    return nullptr;
+  };
+  try {
+    if (!is_coarsened_) make_levels();
+    if (levels_.empty()) return nullptr;
+    observer_.begin_stage("multigrid");
+    std::vector<MultigridLevel> views;
+    for (const Level& level : levels_)
+      views.push_back({.prolongation = &level.prolongation, .finest_vertex = level.finest_vertex.raw()});
+    auto multigrid = make_multigrid(system, views);
+    figures_.made = multigrid->report();
+    observer_.begin_stage("solve");
+    return multigrid;
+  } catch (const InputError& error) {
+    return refuse(error);
+  } catch (const NumericalError& error) {
+    return refuse(error);
+  } catch (const LimitError& error) {
+    return refuse(error);
+  }
+}
+
+template class MultigridMaker<2>;
+template class MultigridMaker<3>;
+
+}  // namespace voropack::app

@@ -1,0 +1,52 @@
+// Multigrid for a case: coarser meshes of the case's own mesh, made when the first matrix needs them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "case.h"
+#include "voropack/mesh.h"
+#include "voropack/multigrid.h"
+#include "voropack/observer.h"
+
+namespace voropack::app {
+
+/// What became of multigrid.
+struct MultigridFigures {
+  std::optional<MultigridReport> made;  ///< For the last matrix that got it.
+  std::string refused;                  ///< Why a matrix that was to have it did not get it; else empty.
+};
+
+/// Makes the preconditioners of the matrices of one mesh. Announces the stages "coarsen" and "multigrid".
+template <int D>
+class MultigridMaker {
+ public:
+  /// Mesh and case have to stay where they are.
+  MultigridMaker(const Mesh<D>& mesh, const Case& given, Observer& observer)
+      : mesh_(mesh), given_(given), observer_(observer) {}
+
+  /// Nothing where another preconditioner is wanted, does better, or has to do.
+  std::shared_ptr<const Preconditioner> operator()(const LinearSystem& system);
+
+  [[nodiscard]] const MultigridFigures& figures() const { return figures_; }
+
+ private:
+  struct Level {
+    SparseMatrix prolongation;
+    IdVector<VertexId, VertexId> finest_vertex;
+  };
+  [[nodiscard]] bool is_wanted(const LinearSystem& system) const;
+  void make_levels();
+
+  const Mesh<D>& mesh_;
+  const Case& given_;
+  Observer& observer_;
+  std::vector<Level> levels_;
+  bool is_coarsened_ = false;
+  MultigridFigures figures_;
+};
+
+}  // namespace voropack::app
