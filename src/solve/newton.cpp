@@ -84,6 +84,7 @@ class Newton {
       if (report_.steps.size() == static_cast<std::size_t>(options_.max_steps)) throw_not_converged(state, "");
       state = step(state);
     }
+    if (!is_balanced(state)) state = polished(std::move(state));
     report_.residual = state.relative();
     values = std::move(state.values);
     return {std::move(state.terms), std::move(state.system), std::move(linear_), std::move(report_)};
@@ -92,6 +93,36 @@ class Newton {
  private:
   [[nodiscard]] bool is_converged(const State& state) const {
     return state.norm <= std::max(options_.tolerance * state.flow, state.rounding);
+  }
+
+  /// Whether the residuals of the vertices of each region add up to nothing, against what they exchange with others.
+  /// Residuals that are small one by one may all have one sign: they are what is quadratic in the last correction.
+  [[nodiscard]] bool is_balanced(const State& state) const {
+    constexpr double kBalance = 1e-13;
+    const LinearSystem& system = state.system;
+    const RegionGroups& groups = equations_.groups;
+    std::vector<double> sum(groups.n), exchange(groups.n);
+    for (const VertexId v : ids(state.values)) {
+      if (system.is_fixed[v] != 0) continue;
+      sum[groups.of[v]] += state.residual[v.value()];
+      exchange[groups.of[v]] += std::abs(system.load[v] - system.absorption[v] * state.values[v]);
+      for (std::uint64_t e = system.matrix.offsets[v.value()]; e != system.matrix.offsets[v.value() + std::size_t{1}];
+           ++e) {
+        const VertexId w(system.matrix.columns[e]);
+        if (system.is_fixed[w] != 0 || groups.of[v] != groups.of[w])
+          exchange[groups.of[v]] += std::abs(system.matrix.values[e] * (state.values[v] - state.values[w]));
+      }
+    }
+    for (std::size_t g = 0; g < groups.n; ++g)
+      if (std::abs(sum[g]) > kBalance * exchange[g]) return false;
+    return true;
+  }
+
+  /// One correction more, unless it does harm.
+  State polished(State state) {
+    const auto is_as_good = [&](const State& trial, double) { return is_converged(trial); };
+    if (std::optional<State> next = search(state, correction(state, false), 1, is_as_good)) return std::move(*next);
+    return state;
   }
 
   void fix_values(IdVector<VertexId, double>& values) const {

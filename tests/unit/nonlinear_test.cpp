@@ -98,6 +98,15 @@ TEST(Nonlinear, ConvergesQuadratically) {
   }
 }
 
+TEST(Nonlinear, BalancesCloseWhereEachResidualIsSmallButAllHaveOneSign) {
+  for (const std::size_t n : {100U, 1000U, 10'000U}) {
+    const Strip s = strip(n);
+    DiffusionProblem<2> problem = between(0, 1);
+    problem.source = StateFunction<2>{[](const Vec<2>&, int, double u) { return -u * u * u; }, {}};
+    test::expect_balanced(solve_nonlinear(s.volumes, s.boundary, problem).state.balances);
+  }
+}
+
 TEST(Nonlinear, DifferencesReplaceDerivatives) {
   const Strip s = strip(20);
   DiffusionProblem<2> problem = between(0, 2);
