@@ -118,6 +118,21 @@ TEST(LinearSolver, TakesAPreconditionerOfTheCallers) {
   EXPECT_EQ(own->n_calls, report.n_iterations);
 }
 
+TEST(LinearSolver, AsksForAPreconditionerWhereItIteratesAndTakesNoForAnAnswer) {
+  LinearOptions options = iterative(PreconditionerKind::kDiagonal);
+  int n_asked = 0;
+  options.own_preconditioner = [&](const LinearSystem& system) {
+    EXPECT_EQ(system.matrix.size(), grid_system(10).matrix.size());
+    ++n_asked;
+    return nullptr;
+  };
+  EXPECT_EQ(solve_linear_system(grid_system(10), options).report.preconditioner, "diagonal");
+  EXPECT_EQ(n_asked, 1);
+  options.method = LinearMethod::kDirect;
+  EXPECT_EQ(solve_linear_system(grid_system(10), options).report.preconditioner, "");
+  EXPECT_EQ(n_asked, 1);
+}
+
 TEST(LinearSolver, NothingToSolveTakesNoIteration) {
   LinearSystem system = grid_system(5);
   for (double& load : system.load) load = 0;
