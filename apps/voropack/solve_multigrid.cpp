@@ -14,13 +14,12 @@ namespace {
 /// Unknowns from which on coarsening pays for itself, in one solution and in the many of a case in time:
 /// docs/theory/multigrid.md has the measurements.
 template <int D>
-constexpr std::uint64_t kLargeSystem = D == 2 ? 10'000 : 500'000;
+constexpr std::uint64_t kLargeSystem = D == 2 ? 10'000 : 300'000;
 template <int D>
-constexpr std::uint64_t kLargeInTime = D == 2 ? 10'000 : 30'000;
+constexpr std::uint64_t kLargeInTime = D == 2 ? 10'000 : 100'000;
 
-/// From level to level. Larger factors cost more in iterations than they save in levels.
-template <int D>
-constexpr double kGrowth = D == 2 ? 1.6 : 1.5;
+/// From level to level: smaller factors save iterations, and cost more than that in levels.
+constexpr double kGrowth = 2;
 
 /// Vertices of the coarsest level, about: few enough to be solved for directly in no time.
 constexpr double kCoarsest = 2000;
@@ -38,7 +37,7 @@ class StopObserver final : public Observer {
 template <int D>
 CoarseningOptions coarsening_options(std::size_t n_vertices) {
   CoarseningOptions options;
-  options.growth = kGrowth<D>;
+  options.growth = kGrowth;
   const double factor = D * std::log(options.growth);  // Between levels, as a logarithm.
   options.levels =
       std::max(1, static_cast<int>(std::lround(std::log(static_cast<double>(n_vertices) / kCoarsest) / factor)));

@@ -52,7 +52,7 @@ double harmonic(const Vec<3>& x) {
 /// As `voropack solve` makes it.
 std::shared_ptr<const Preconditioner> coarsened_multigrid(const Mesh<3>& mesh, const LinearSystem& system) {
   CoarseningOptions options;
-  options.growth = 1.5;
+  options.growth = 2;
   const double factor = 3 * std::log(options.growth), coarsest = 2000;
   options.levels = static_cast<int>(std::lround(std::log(static_cast<double>(mesh.points.size()) / coarsest) / factor));
   options.levels = std::max(options.levels, 1);
