@@ -71,6 +71,10 @@ void MultigridMaker<D>::make_levels() {
 template <int D>
 std::shared_ptr<const Preconditioner> MultigridMaker<D>::operator()(const LinearSystem& system) {
   if (!is_wanted(system)) return nullptr;
+  if (!system.is_symmetric) {
+    figures_.refused = "the matrix is not symmetric";
+    return nullptr;
+  }
   const auto refuse = [&](const Error& error) {
     figures_.refused = error.faults().front().message;
     observer_.begin_stage("solve");
