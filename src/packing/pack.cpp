@@ -9,6 +9,7 @@
 #include "packing/boundary.h"
 #include "packing/budget.h"
 #include "packing/incidence.h"
+#include "packing/mend.h"
 #include "packing/stretched.h"
 #include "spheres/pack_interior.h"
 #include "voropack/packing.h"
@@ -23,10 +24,6 @@ constexpr int kStretchedRounds = 8;
 /// Nor does f shrink once more if the mesh has grown to so many times the size of the best one, or has so many times
 /// its stretched simplices: some corners are the same at every scale.
 constexpr std::size_t kMostGrowth = 3, kMostStretched = 2;
-/// Where there are few, in a mesh of no more simplices than this, the interior is packed so many times more, each time
-/// with other random numbers.
-constexpr std::uint64_t kInteriorTries = 8;
-constexpr std::size_t kTriedSimplices = 50'000;
 /// Nor if they are more than one in so many: what makes that many is nothing that a smaller f would mend.
 constexpr std::size_t kFewStretched = 20;
 
@@ -79,15 +76,6 @@ void append_interior(Packing<D>& packing, PackedInterior<D>&& interior) {
   }
   packing.triangulation = std::move(interior.triangulation);
   packing.triangulation_s = interior.triangulation_s;
-}
-
-/// Spheres from `n_boundary` on are those of the interior.
-template <int D>
-void replace_interior(Packing<D>& packing, std::size_t n_boundary, PackedInterior<D>&& interior) {
-  packing.center.resize(n_boundary);
-  packing.radius.resize(n_boundary);
-  packing.carrier.resize(n_boundary);
-  append_interior(packing, std::move(interior));
 }
 
 /// Has caps name facets in place of traces.
@@ -213,9 +201,11 @@ class AdaptivePacker {
                                              walls_of_balls[i].carrier, walls_of_balls[i].carrier));
       return false;
     }
-    add_best_interior(problem, std::move(interior), boundary);
+    add_interior(problem, std::move(interior), boundary);
     const std::size_t n_simplices = boundary.packing.triangulation.simplices.size();
     const std::size_t n_stretched = boundary.faults.size();
+    observer_.log(LogLevel::kInfo, fmt::format("round {}: all balls are empty; {} of {} simplices are stretched",
+                                               round + 1, n_stretched, n_simplices));
     if (!best_ || n_stretched < best_->n_stretched) {
       best_ = Conforming{std::move(boundary.packing), n_stretched, n_simplices, n_boundary_};
       best_->packing.repairs = std::move(all_caps);
@@ -232,25 +222,15 @@ class AdaptivePacker {
     return false;
   }
 
-  /// Adds the interior, and its stretched simplices as faults. Where they are few, other random numbers may do without
-  /// them.
-  void add_best_interior(PackingProblem<D> problem, PackedInterior<D>&& interior, BoundaryPacking<D>& boundary) {
+  /// Adds the interior, and as faults its stretched simplices that no mending has removed.
+  void add_interior(const PackingProblem<D>& problem, PackedInterior<D>&& interior, BoundaryPacking<D>& boundary) {
     append_interior(boundary.packing, std::move(interior));
-    boundary.faults = stretched_simplices(boundary.packing, protection_.incidence);
-    if (boundary.packing.triangulation.simplices.size() > kTriedSimplices) return;
-    const std::uint64_t seed = problem.seed;
-    for (std::uint64_t k = 1; k <= kInteriorTries; ++k) {
-      if (boundary.faults.empty() || boundary.faults.size() > kFewStretched) return;
-      problem.seed = hash_words(seed, k);
-      PackedInterior<D> other = pack_interior(problem, false, observer_);
-      if (!other.broken_faces.empty()) continue;
-      Packing<D> packing = boundary.packing;
-      replace_interior(packing, n_boundary_, std::move(other));
-      std::vector<SpacingCap<D>> stretched = stretched_simplices(packing, protection_.incidence);
-      if (stretched.size() >= boundary.faults.size()) continue;
-      boundary.packing = std::move(packing);
-      boundary.faults = std::move(stretched);
-    }
+    const Incidence<D>& incidence = protection_.incidence;
+    boundary.faults = stretched_simplices(boundary.packing, incidence);
+    if (boundary.faults.empty()) return;
+    observer_.log(LogLevel::kInfo, fmt::format("{} simplices are stretched", boundary.faults.size()));
+    mend_stretched(boundary.packing, n_boundary_, problem, incidence);
+    boundary.faults = stretched_simplices(boundary.packing, incidence);
   }
 
   const Spacing<D>& spacing_;

@@ -1,0 +1,314 @@
+#include "packing/mend.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "base/random.h"
+#include "geom/circumcenter.h"
+#include "packing/stretched.h"
+#include "spheres/movable_mesh.h"
+
+namespace voropack {
+
+namespace {
+
+/// Where no move gains any more, so many times a move is made that loses something, and kept if more is gained after
+/// it.
+constexpr int kKicks = 60;
+constexpr double kMostLoss = 3;
+/// Places that are tried for a new sphere, and for each one that moves.
+constexpr int kPlaces = 32;
+/// A move has to lower the cost by this much: else moves might follow each other for ever.
+constexpr double kLeastGain = 0.01;
+/// Corners of so many simplices around a stretched one may leave.
+constexpr std::size_t kNear = 12;
+/// Circumcenters that one move may let in.
+constexpr int kMostFollowers = 3;
+
+template <int D>
+class Mender {
+ public:
+  using Mesh = MovableMesh<D>;
+  static constexpr double kForbidden = std::numeric_limits<double>::infinity();
+
+  Mender(const Packing<D>& packing, std::size_t n_boundary, const PackingProblem<D>& problem,
+         const Incidence<D>& incidence)
+      : n_boundary_(n_boundary),
+        problem_(problem),
+        mesh_({packing.center.begin(), packing.center.end()}, packing.triangulation),
+        carrier_(packing.carrier.begin(), packing.carrier.end()),
+        pairs_(incidence),
+        spheres_(problem.bounds.center(), problem.spacing.lipschitz, packing.radius[SphereId(0)]),
+        balls_(problem.bounds.center()),
+        is_gone_(packing.center.size(), 0),
+        random_(problem.seed) {
+    for (const SphereId s : ids(packing.center)) spheres_.add({packing.center[s], packing.radius[s]});
+    for (const Ball<D>& b : problem.balls) balls_.add(b);
+  }
+
+  std::size_t run() {
+    descend();
+    std::vector<std::uint32_t> bad = stretched();
+    for (int kick = 0; kick < kKicks && !bad.empty(); ++kick) {
+      const Mender before = *this;
+      const double cost_before = cost_of(bad);
+      improve(bad[random_.bits() % bad.size()], -kMostLoss);
+      descend();
+      bad = stretched();
+      if (cost_of(bad) < cost_before) continue;
+      const Random next = random_;
+      restore(before);
+      random_ = next;
+      bad = stretched();
+    }
+    return bad.size();
+  }
+
+  /// Puts the spheres that there are now in the place of the packing's.
+  void export_to(Packing<D>& packing) const {
+    Triangulation<D> triangulation = mesh_.to_triangulation();
+    std::vector<std::uint32_t> number(is_gone_.size(), 0);
+    Packing<D> result;
+    for (std::uint32_t v = 0; v < is_gone_.size(); ++v) {
+      if (is_gone_[v] != 0) continue;
+      number[v] = static_cast<std::uint32_t>(result.center.size());
+      result.center.push_back(mesh_.points()[v]);
+      result.radius.push_back(spheres_[v].radius);
+      result.carrier.push_back(carrier_[v]);
+    }
+    for (auto& simplex : triangulation.simplices)
+      for (std::uint32_t& v : simplex) v = number[v];
+    packing.center = std::move(result.center);
+    packing.radius = std::move(result.radius);
+    packing.carrier = std::move(result.carrier);
+    packing.triangulation = std::move(triangulation);
+  }
+
+ private:
+  /// Moves that gain, until there are none.
+  void descend() {
+    for (bool has_moved = true; has_moved;) {
+      has_moved = false;
+      for (const std::uint32_t s : stretched())
+        if (mesh_[s].is_alive && improve(s, kLeastGain)) has_moved = true;
+    }
+  }
+
+  void restore(const Mender& before) {
+    mesh_ = before.mesh_;
+    carrier_ = before.carrier_;
+    spheres_ = before.spheres_;
+    is_gone_ = before.is_gone_;
+  }
+
+  [[nodiscard]] double cost_of(const std::vector<std::uint32_t>& simplices) const {
+    double sum = 0;
+    for (const std::uint32_t s : simplices) sum += cost(s);
+    return sum;
+  }
+
+  struct Move {
+    std::optional<std::uint32_t> leaves;  ///< A vertex,
+    std::uint32_t at = 0;                 ///< and a simplex that has it.
+    std::optional<Vec<D>> comes;
+    double gain = 0;
+  };
+
+  [[nodiscard]] std::vector<std::uint32_t> stretched() const {
+    std::vector<std::uint32_t> result;
+    for (std::uint32_t s = 0; s < mesh_.size(); ++s)
+      if (mesh_[s].is_alive && cost(s) > 0) result.push_back(s);
+    return result;
+  }
+
+  /// 0 for a simplex that may stay as it is.
+  [[nodiscard]] double cost(std::uint32_t s) const {
+    const Shape<D> shape = shape_of<D>(mesh_.corners(s));
+    if (!shape.is_stretched()) return 0;
+    const auto& corner = mesh_[s].corner;
+    for (std::size_t i = 0; i < D; ++i)
+      for (std::size_t j = i + 1; j <= D; ++j)
+        if (pairs_.is_sharp(carrier_[corner[i]], carrier_[corner[j]])) return 0;
+    return 1 + std::log(std::sqrt(shape.radius_sq / shape.shortest_sq) / kRadiusEdge);
+  }
+
+  [[nodiscard]] bool is_free(std::uint32_t v) const { return v >= n_boundary_; }
+
+  /// True if a sphere of that radius may be at x.
+  [[nodiscard]] bool admits(const Vec<D>& x, double radius) const {
+    if (balls_.forbids(x)) return false;
+    for (std::size_t k = 0; k < new_radius_.size(); ++k)
+      if (SphereSet<D>::overlap({mesh_.points()[spheres_.size() + k], new_radius_[k]}, x, radius)) return false;
+    return !spheres_.visit_near(
+        x, radius, [&](std::uint32_t v) { return is_gone_[v] == 0 && SphereSet<D>::overlap(spheres_[v], x, radius); });
+  }
+
+  bool insert(const Vec<D>& x, std::uint32_t near) {
+    if (!is_finite(x) || !problem_.bounds.contains(x)) return false;
+    const double radius = problem_.spacing.at(x);
+    if (!admits(x, radius) || !mesh_.insert(x, near)) return false;
+    new_radius_.push_back(radius);
+    carrier_.push_back(
+        PolytopeId(D, static_cast<std::size_t>(mesh_[static_cast<std::uint32_t>(mesh_.size() - 1)].region)));
+    return true;
+  }
+
+  void undo(const typename Mesh::Mark& mark) {
+    mesh_.undo(mark);
+    new_radius_.resize(mark.n_points - spheres_.size());
+    carrier_.resize(mark.n_points, PolytopeId());
+  }
+
+  /// Lets in the circumcenters that have become free, so that the packing stays maximal. False if they are too many.
+  bool let_in_followers(std::uint32_t first) {
+    int n = 0;
+    for (std::uint32_t s = first; s < mesh_.size(); ++s) {
+      if (!mesh_[s].is_alive) continue;
+      const Shape<D> shape = shape_of<D>(mesh_.corners(s));
+      double largest = 0;
+      for (const std::uint32_t v : mesh_[s].corner) largest = std::max(largest, radius_of(v));
+      const double radius = std::sqrt(shape.radius_sq);
+      if (radius < 2 * largest * (1 - kPackingSlack) / (1 + problem_.spacing.lipschitz)) continue;
+      if (!is_finite(shape.center) || !problem_.bounds.contains(shape.center)) continue;
+      if (radius < problem_.spacing.at(shape.center) + largest) continue;
+      if (!insert(shape.center, s)) continue;
+      if (++n > kMostFollowers) return false;
+    }
+    return true;
+  }
+
+  [[nodiscard]] double radius_of(std::uint32_t v) const {
+    return v < spheres_.size() ? spheres_[v].radius : new_radius_[v - spheres_.size()];
+  }
+
+  /// What has been gained since then.
+  [[nodiscard]] double gain_since(const typename Mesh::Mark& mark) const {
+    double gain = 0;
+    for (const std::uint32_t s : mesh_.killed_since(mark))
+      if (s < mark.n_simplices) gain += cost(s);
+    for (auto s = static_cast<std::uint32_t>(mark.n_simplices); s < mesh_.size(); ++s)
+      if (mesh_[s].is_alive) gain -= cost(s);
+    return gain;
+  }
+
+  [[nodiscard]] Vec<D> direction() {
+    for (;;) {
+      Vec<D> x;
+      for (int k = 0; k < D; ++k) x[k] = 2 * random_.unit() - 1;
+      if (norm_sq(x) <= 1 && norm_sq(x) > 0.01) return x / norm(x);
+    }
+  }
+
+  /// Some place near simplex s: beside its shortest edge, anywhere in its ball, or around a vertex that leaves.
+  Vec<D> place(const Shape<D>& shape, int i, std::optional<std::uint32_t> leaving) {
+    const double length = std::sqrt(shape.shortest_sq), radius = std::sqrt(shape.radius_sq);
+    if (leaving && i % 2 == 0) return mesh_.points()[*leaving] + 2 * random_.unit() * radius_of(*leaving) * direction();
+    if (i % 4 == 3) return shape.center + std::cbrt(random_.unit()) * radius * direction();
+    return shape.edge_middle + (0.8 + 2.4 * random_.unit()) * length * direction();
+  }
+
+  /// Tries places for a new sphere after what has changed since `before`.
+  void try_places(std::uint32_t s, const Shape<D>& shape, const typename Mesh::Mark& before, Move move, Move& best) {
+    const std::uint32_t near = mesh_[s].is_alive ? s : static_cast<std::uint32_t>(mesh_.size() - 1);
+    for (int i = 0; i < kPlaces; ++i) {
+      const Vec<D> x = place(shape, i, move.leaves);
+      if (!move.leaves && distance_sq(x, shape.center) >= shape.radius_sq) continue;
+      const auto here = mesh_.mark();
+      if (!insert(x, near)) continue;
+      if (let_in_followers(static_cast<std::uint32_t>(before.n_simplices))) {
+        move.gain = gain_since(before);
+        move.comes = x;
+        if (move.gain > best.gain) best = move;
+      }
+      undo(here);
+    }
+  }
+
+  /// The free vertices of simplex s and around it, each with a simplex that has it.
+  [[nodiscard]] std::vector<Move> leavers(std::uint32_t s) const {
+    std::vector<Move> result;
+    const auto add = [&](std::uint32_t t) {
+      for (const std::uint32_t v : mesh_[t].corner)
+        if (is_free(v) && std::ranges::none_of(result, [&](const Move& m) { return *m.leaves == v; }))
+          result.push_back({v, t, {}, 0});
+    };
+    std::vector<std::uint32_t> near = {s};
+    for (std::size_t k = 0; k < near.size() && near.size() < kNear; ++k)
+      for (const std::uint32_t t : mesh_[near[k]].neighbor)
+        if (t != Mesh::kNone && std::ranges::find(near, t) == near.end()) near.push_back(t);
+    for (const std::uint32_t t : near) add(t);
+    return result;
+  }
+
+  bool improve(std::uint32_t s, double least_gain) {
+    const Shape<D> shape = shape_of<D>(mesh_.corners(s));
+    const double all = cost(s);
+    Move best;
+    best.gain = least_gain;
+    const auto before = mesh_.mark();
+    try_places(s, shape, before, {}, best);
+    if (best.gain < all)
+      for (const Move& leaver : leavers(s)) {
+        if (!mesh_.remove(*leaver.leaves, leaver.at)) continue;
+        is_gone_[*leaver.leaves] = 1;
+        const auto removed = mesh_.mark();
+        if (let_in_followers(static_cast<std::uint32_t>(before.n_simplices))) {
+          Move move = leaver;
+          move.gain = gain_since(before);
+          if (move.gain > best.gain) best = move;
+        }
+        undo(removed);
+        try_places(s, shape, before, leaver, best);
+        undo(before);
+        is_gone_[*leaver.leaves] = 0;
+      }
+    if (!best.leaves && !best.comes) return false;
+    carry_out(best, s);
+    return true;
+  }
+
+  void carry_out(const Move& move, std::uint32_t s) {
+    const auto before = mesh_.mark();
+    if (move.leaves) {
+      mesh_.remove(*move.leaves, move.at);
+      is_gone_[*move.leaves] = 1;
+    }
+    if (move.comes) insert(*move.comes, mesh_[s].is_alive ? s : static_cast<std::uint32_t>(mesh_.size() - 1));
+    let_in_followers(static_cast<std::uint32_t>(before.n_simplices));
+    for (std::size_t k = 0; k < new_radius_.size(); ++k) {
+      spheres_.add({mesh_.points()[spheres_.size()], new_radius_[k]});
+      is_gone_.push_back(0);
+    }
+    new_radius_.clear();
+    mesh_.commit();
+  }
+
+  std::size_t n_boundary_;
+  const PackingProblem<D>& problem_;
+  Mesh mesh_;
+  std::vector<PolytopeId> carrier_;  ///< By vertex.
+  SharpPairs<D> pairs_;
+  SphereSet<D> spheres_;            ///< By vertex, but for those that a trial has added.
+  std::vector<double> new_radius_;  ///< Of these.
+  BallSet<D> balls_;
+  std::vector<std::uint8_t> is_gone_;  ///< By vertex.
+  Random random_;
+};
+
+}  // namespace
+
+template <int D>
+std::size_t mend_stretched(Packing<D>& packing, std::size_t n_boundary, const PackingProblem<D>& problem,
+                           const Incidence<D>& incidence) {
+  Mender<D> mender(packing, n_boundary, problem, incidence);
+  const std::size_t n_left = mender.run();
+  mender.export_to(packing);
+  return n_left;
+}
+
+template std::size_t mend_stretched(Packing<2>&, std::size_t, const PackingProblem<2>&, const Incidence<2>&);
+template std::size_t mend_stretched(Packing<3>&, std::size_t, const PackingProblem<3>&, const Incidence<3>&);
+
+}  // namespace voropack
