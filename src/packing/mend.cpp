@@ -25,7 +25,7 @@ constexpr double kLeastGain = 0.01;
 /// Corners of so many simplices around a stretched one may leave.
 constexpr std::size_t kNear = 12;
 /// Circumcenters that one move may let in.
-constexpr int kMostFollowers = 3;
+constexpr std::size_t kMostFollowers = 3;
 
 template <int D>
 class Mender {
@@ -93,6 +93,11 @@ class Mender {
       has_moved = false;
       for (const std::uint32_t s : stretched())
         if (mesh_[s].is_alive && improve(s, kLeastGain)) has_moved = true;
+      // A sphere that has left may have been what kept a circumcenter farther away from being added.
+      if (has_moved) {
+        let_in_followers(0, mesh_.size());
+        settle();
+      }
     }
   }
 
@@ -126,29 +131,28 @@ class Mender {
   /// 0 for a simplex that may stay as it is.
   [[nodiscard]] double cost(std::uint32_t s) const {
     const Shape<D> shape = shape_of<D>(mesh_.corners(s));
-    if (!shape.is_stretched()) return 0;
+    if (!shape.exceeds(kRadiusEdge)) return 0;
     const auto& corner = mesh_[s].corner;
-    for (std::size_t i = 0; i < D; ++i)
-      for (std::size_t j = i + 1; j <= D; ++j)
-        if (pairs_.is_sharp(carrier_[corner[i]], carrier_[corner[j]])) return 0;
-    return 1 + std::log(std::sqrt(shape.radius_sq / shape.shortest_sq) / kRadiusEdge);
+    std::array<PolytopeId, D + 1> carriers;
+    for (std::size_t i = 0; i <= D; ++i) carriers[i] = carrier_[corner[i]];
+    const double bound = pairs_.ratio_bound(carriers);
+    return shape.exceeds(bound) ? 1 + std::log(std::sqrt(shape.radius_sq / shape.shortest_sq) / bound) : 0;
   }
 
   [[nodiscard]] bool is_free(std::uint32_t v) const { return v >= n_boundary_; }
 
-  /// True if a sphere of that radius may be at x.
-  [[nodiscard]] bool admits(const Vec<D>& x, double radius) const {
-    if (balls_.forbids(x)) return false;
+  [[nodiscard]] bool overlaps(const Vec<D>& x, double radius) const {
     for (std::size_t k = 0; k < new_radius_.size(); ++k)
-      if (SphereSet<D>::overlap({mesh_.points()[spheres_.size() + k], new_radius_[k]}, x, radius)) return false;
-    return !spheres_.visit_near(
+      if (SphereSet<D>::overlap({mesh_.points()[spheres_.size() + k], new_radius_[k]}, x, radius)) return true;
+    return spheres_.visit_near(
         x, radius, [&](std::uint32_t v) { return is_gone_[v] == 0 && SphereSet<D>::overlap(spheres_[v], x, radius); });
   }
 
   bool insert(const Vec<D>& x, std::uint32_t near) {
     if (!is_finite(x) || !problem_.bounds.contains(x)) return false;
+    if (balls_.forbids(x)) return false;
     const double radius = problem_.spacing.at(x);
-    if (!admits(x, radius) || !mesh_.insert(x, near)) return false;
+    if (overlaps(x, radius) || !mesh_.insert(x, near)) return false;
     new_radius_.push_back(radius);
     carrier_.push_back(
         PolytopeId(D, static_cast<std::size_t>(mesh_[static_cast<std::uint32_t>(mesh_.size() - 1)].region)));
@@ -161,9 +165,10 @@ class Mender {
     carrier_.resize(mark.n_points, PolytopeId());
   }
 
-  /// Lets in the circumcenters that have become free, so that the packing stays maximal. False if they are too many.
-  bool let_in_followers(std::uint32_t first) {
-    int n = 0;
+  /// Lets in the circumcenters of simplices from `first` on that are free, so that the packing stays maximal. False if
+  /// they are too many.
+  bool let_in_followers(std::uint32_t first, std::size_t most) {
+    std::size_t n = 0;
     for (std::uint32_t s = first; s < mesh_.size(); ++s) {
       if (!mesh_[s].is_alive) continue;
       const Shape<D> shape = shape_of<D>(mesh_.corners(s));
@@ -174,7 +179,7 @@ class Mender {
       if (!is_finite(shape.center) || !problem_.bounds.contains(shape.center)) continue;
       if (radius < problem_.spacing.at(shape.center) + largest) continue;
       if (!insert(shape.center, s)) continue;
-      if (++n > kMostFollowers) return false;
+      if (++n > most) return false;
     }
     return true;
   }
@@ -217,7 +222,7 @@ class Mender {
       if (!move.leaves && distance_sq(x, shape.center) >= shape.radius_sq) continue;
       const auto here = mesh_.mark();
       if (!insert(x, near)) continue;
-      if (let_in_followers(static_cast<std::uint32_t>(before.n_simplices))) {
+      if (let_in_followers(static_cast<std::uint32_t>(before.n_simplices), kMostFollowers)) {
         move.gain = gain_since(before);
         move.comes = x;
         if (move.gain > best.gain) best = move;
@@ -254,7 +259,7 @@ class Mender {
         if (!mesh_.remove(*leaver.leaves, leaver.at)) continue;
         is_gone_[*leaver.leaves] = 1;
         const auto removed = mesh_.mark();
-        if (let_in_followers(static_cast<std::uint32_t>(before.n_simplices))) {
+        if (let_in_followers(static_cast<std::uint32_t>(before.n_simplices), kMostFollowers)) {
           Move move = leaver;
           move.gain = gain_since(before);
           if (move.gain > best.gain) best = move;
@@ -276,9 +281,14 @@ class Mender {
       is_gone_[*move.leaves] = 1;
     }
     if (move.comes) insert(*move.comes, mesh_[s].is_alive ? s : static_cast<std::uint32_t>(mesh_.size() - 1));
-    let_in_followers(static_cast<std::uint32_t>(before.n_simplices));
-    for (std::size_t k = 0; k < new_radius_.size(); ++k) {
-      spheres_.add({mesh_.points()[spheres_.size()], new_radius_[k]});
+    let_in_followers(static_cast<std::uint32_t>(before.n_simplices), kMostFollowers);
+    settle();
+  }
+
+  /// Makes what has been changed final.
+  void settle() {
+    for (const double radius : new_radius_) {
+      spheres_.add({mesh_.points()[spheres_.size()], radius});
       is_gone_.push_back(0);
     }
     new_radius_.clear();

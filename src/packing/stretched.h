@@ -17,6 +17,8 @@ namespace voropack {
 /// Circumradius divided by shortest edge that packings keep away from sharp features. Theory bounds it for small b only
 /// (docs/theory/certificate.md, radius_edge).
 inline constexpr double kRadiusEdge = 2.5;
+/// The same of a simplex in a sharp feature, times the sine of half the angle there.
+inline constexpr double kSharpRadiusEdge = 8;
 
 /// The circumball and the shortest edge of a simplex.
 template <int D>
@@ -25,7 +27,7 @@ struct Shape {
   double radius_sq = 0, shortest_sq = 0;
   Vec<D> edge_middle;  ///< Of the shortest edge.
 
-  [[nodiscard]] bool is_stretched() const { return radius_sq > kRadiusEdge * kRadiusEdge * shortest_sq; }
+  [[nodiscard]] bool exceeds(double ratio) const { return radius_sq > ratio * ratio * shortest_sq; }
 };
 
 template <int D>
@@ -39,31 +41,30 @@ Shape<D> shape_of(const std::array<Vec<D>, D + 1>& x) {
   return shape;
 }
 
-/// Answers whether centers lie on polytopes, taken closed, that form a sharp feature. Keeps what it has found: not to
-/// be used by several threads at once.
+/// The sharp features that centers on given polytopes have to do with. Keeps what it has found: not to be used by
+/// several threads at once.
 template <int D>
 class SharpPairs {
  public:
   explicit SharpPairs(const Incidence<D>& incidence) : incidence_(incidence) {}
-  /// Of centers on these polytopes.
-  [[nodiscard]] bool is_sharp(PolytopeId p, PolytopeId q) const;
-  /// Of any two of these spheres.
-  [[nodiscard]] bool any_sharp(const Packing<D>& packing, const std::array<std::uint32_t, D + 1>& spheres) const;
+  /// The least angle below kSharpAngle between two polytopes, neither in the other, one of which holds p and the other
+  /// one q; pi if there is none.
+  [[nodiscard]] double angle(PolytopeId p, PolytopeId q) const;
+  /// How large R / l of a simplex may be whose corners are on these polytopes.
+  [[nodiscard]] double ratio_bound(const std::array<PolytopeId, D + 1>& carriers) const;
 
  private:
   const Incidence<D>& incidence_;
-  mutable std::map<std::pair<PolytopeId, PolytopeId>, bool> known_;
+  mutable std::map<std::pair<PolytopeId, PolytopeId>, double> known_;
 };
 
-/// The same, from any thread.
+/// Whether two of the spheres lie on polytopes, taken closed, that form a sharp feature.
 template <int D>
 bool has_sharp_pair(const Packing<D>& packing, const Incidence<D>& incidence,
-                    const std::array<std::uint32_t, D + 1>& spheres) {
-  return SharpPairs<D>(incidence).any_sharp(packing, spheres);
-}
+                    const std::array<std::uint32_t, D + 1>& spheres);
 
-/// For each simplex of the packing's triangulation that exceeds kRadiusEdge, and no two of whose corners lie on two
-/// polytopes of one sharp feature: a cap under which no ball there is empty and as large beside that edge. O(n).
+/// For each simplex of the packing's triangulation whose R / l is beyond its bound: a cap under which no ball there is
+/// empty and as large beside its shortest edge. O(n).
 template <int D>
 std::vector<SpacingCap<D>> stretched_simplices(const Packing<D>& packing, const Incidence<D>& incidence);
 
