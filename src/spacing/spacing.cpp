@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "spacing/cap_tree.h"
 #include "spacing/integral.h"
 #include "spacing/spacing_sources.h"
 #include "spacing/spacing_tree.h"
@@ -18,8 +19,9 @@ struct Spacing<D>::Impl {
   std::shared_ptr<const SpacingSources<D>> sources;
   std::shared_ptr<const SpacingTree<D>> tree;
   std::vector<SpacingCap<D>> caps;
-  BoxTree<D> cap_tree;                     // Over the caps' balls.
-  std::shared_ptr<ValueMemory<D>> memory;  // Of f without caps: caps follow caps, and most places stay the same.
+  BoxTree<D> cap_boxes;                        // Over the caps' balls.
+  std::shared_ptr<const CapTree<D>> cap_tree;  // Where the tree is.
+  std::shared_ptr<ValueMemory<D>> memory;      // Of f without caps: caps follow caps, and most places stay the same.
 
   /// f without caps.
   [[nodiscard]] double base_at(const Vec<D>& x) const {
@@ -36,7 +38,9 @@ double Spacing<D>::operator()(const Vec<D>& x) const {
   const Impl& f = *impl_;
   if (f.caps.empty()) return f.base_at(x);
   const double base = f.memory->get(x, [&] { return f.base_at(x); });
-  return f.cap_tree.minimize(x, f.options.gradation, base, [&](std::uint32_t i) { return f.cap_at(i, x); });
+  if (!f.cap_tree->box().contains(x))
+    return f.cap_boxes.minimize(x, f.options.gradation, base, [&](std::uint32_t i) { return f.cap_at(i, x); });
+  return f.cap_tree->minimum(x, base, [&](const Vec<D>& y) { return f.memory->get(y, [&] { return f.base_at(y); }); });
 }
 
 template <int D>
@@ -58,7 +62,7 @@ std::optional<double> Spacing<D>::constant_on(const Box<D>& box) const {
   const double b = f.options.gradation;
   const double bound = *base + b * 0.5 * box.diagonal();
   const double caps =
-      f.cap_tree.minimize(box.center(), b, bound, [&](std::uint32_t i) { return f.cap_at(i, box.center()); });
+      f.cap_boxes.minimize(box.center(), b, bound, [&](std::uint32_t i) { return f.cap_at(i, box.center()); });
   return caps < bound ? std::nullopt : base;
 }
 
@@ -74,7 +78,8 @@ Spacing<D> Spacing<D>::with_caps(const std::vector<SpacingCap<D>>& caps) const {
     boxes.push_back(box);
     values.push_back(cap.value);
   }
-  impl->cap_tree = BoxTree<D>(boxes, values);
+  impl->cap_boxes = BoxTree<D>(boxes, values);
+  impl->cap_tree = std::make_shared<CapTree<D>>(impl->tree->box(), impl->caps, impl->options.gradation);
   return Spacing(std::move(impl));
 }
 
@@ -118,7 +123,7 @@ std::vector<SpacingCause> Spacing<D>::causes(const Vec<D>& x, double reach) cons
          pair.gap,
          false});
   const Impl& f = *impl_;
-  f.cap_tree.minimize(x, f.options.gradation, limit, [&](std::uint32_t i) {
+  f.cap_boxes.minimize(x, f.options.gradation, limit, [&](std::uint32_t i) {
     const SpacingCap<D>& cap = f.caps[i];
     const double at = f.cap_at(i, x);
     if (cap.between && at < limit) result.push_back({at, *cap.between, cap.radius, true});
