@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/random.h"
+#include "geom/distance.h"
 #include "support/cases.h"
 #include "support/plc_files.h"
 #include "voropack/delaunay.h"
@@ -202,6 +203,107 @@ Case<D> heap(std::size_t n_points, double share, std::uint64_t seed) {
     }
   }
   return make_case("heap " + std::to_string(n_points) + " " + std::to_string(seed), input, measure);
+}
+
+namespace heaps {
+
+using Tetrahedron = std::array<std::uint32_t, 4>;
+
+inline std::array<Vec<3>, 4> corners_of(const std::vector<Vec<3>>& points, const Tetrahedron& t) {
+  return {points[t[0]], points[t[1]], points[t[2]], points[t[3]]};
+}
+
+inline double volume_of(const std::array<Vec<3>, 4>& x) {
+  return std::abs(dot(cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0])) / 6;
+}
+
+/// True if a plane separates the interiors: one along a face of either, or along an edge of both.
+inline bool are_apart(const std::array<Vec<3>, 4>& a, const std::array<Vec<3>, 4>& b) {
+  const auto separates = [&](const Vec<3>& normal) {
+    if (norm(normal) < 1e-12) return false;
+    double lo_a = 1e300, hi_a = -1e300, lo_b = 1e300, hi_b = -1e300;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double on_a = dot(a[i], normal) / norm(normal), on_b = dot(b[i], normal) / norm(normal);
+      lo_a = std::min(lo_a, on_a), hi_a = std::max(hi_a, on_a);
+      lo_b = std::min(lo_b, on_b), hi_b = std::max(hi_b, on_b);
+    }
+    return hi_a <= lo_b + 1e-9 || hi_b <= lo_a + 1e-9;
+  };
+  for (const auto* t : {&a, &b})
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vec<3>&x = (*t)[k], &y = (*t)[(k + 1) % 4], &z = (*t)[(k + 2) % 4];
+      if (separates(cross(y - x, z - x))) return true;
+    }
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      for (std::size_t k = 0; k < 4; ++k)
+        for (std::size_t l = 0; l < k; ++l)
+          if (separates(cross(a[i] - a[j], b[k] - b[l]))) return true;
+  return false;
+}
+
+}  // namespace heaps
+
+/// The smallest angle between a segment and a segment or triangle, not around it, with a common point. Degrees. Of a
+/// domain of triangles.
+inline double least_angle_deg(const DomainInput<3>& input) {
+  const auto& x = input.points;
+  double least = std::numbers::pi;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (const auto& f : input.facets)
+    for (const auto& p : f.polygons) triangles.push_back({p[0], p[1], p[2]});
+  for (const auto& s : triangles)
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t k = 1; k < 3; ++k) {
+        const std::uint32_t tip = s[i], end = s[(i + k) % 3];
+        for (const auto& t : triangles)
+          for (std::size_t j = 0; j < 3; ++j) {
+            const std::uint32_t a = t[(j + 1) % 3], b = t[(j + 2) % 3];
+            if (t[j] != tip) continue;
+            const Vec<3> along = x[end] - x[tip];
+            for (const std::uint32_t c : {a, b})
+              if (c != end) least = std::min(least, angle_between(along, x[c] - x[tip]));
+            if (a != end && b != end) least = std::min(least, angle_to_cone(along, x[a] - x[tip], x[b] - x[tip]));
+          }
+      }
+  return least * 180 / std::numbers::pi;
+}
+
+/// Random tetrahedra in the unit cube, each of which has one or two corners in common with an earlier one. Nothing
+/// meets below the least angle, as `least_angle_deg` measures it.
+inline Case<3> tetrahedra(std::size_t n_tetrahedra, double least_deg, std::uint64_t seed) {
+  constexpr double kLeastVolume = 0.02 / 6;
+  Random random(seed);
+  DomainInput<3> input;
+  std::vector<heaps::Tetrahedron> taken;
+  double measure = 0;
+  while (taken.size() < n_tetrahedra) {
+    DomainInput<3> next = input;
+    heaps::Tetrahedron t{};
+    std::size_t n_shared = 0;
+    if (!taken.empty()) {
+      heaps::Tetrahedron from = taken[random.bits() % taken.size()];
+      for (std::size_t i = 4; i > 1; --i) std::swap(from[i - 1], from[random.bits() % i]);
+      n_shared = 1 + random.bits() % 2;
+      t = from;
+    }
+    for (std::size_t i = n_shared; i < 4; ++i) {
+      Vec<3> x;
+      for (int k = 0; k < 3; ++k) x[k] = random.unit();
+      t[i] = add_point(next, x);
+    }
+    const auto x = heaps::corners_of(next.points, t);
+    if (heaps::volume_of(x) < kLeastVolume) continue;
+    if (!std::ranges::all_of(taken,
+                             [&](const auto& u) { return heaps::are_apart(x, heaps::corners_of(next.points, u)); }))
+      continue;
+    for (std::size_t k = 0; k < 4; ++k) add_facet(next, {t[k], t[(k + 1) % 4], t[(k + 2) % 4]});
+    if (least_angle_deg(next) < least_deg) continue;
+    input = std::move(next);
+    taken.push_back(t);
+    measure += heaps::volume_of(x);
+  }
+  return make_case("tetrahedra " + std::to_string(n_tetrahedra) + " " + std::to_string(seed), input, measure);
 }
 
 /// The same domain with points, segments and facets in another order.
