@@ -16,7 +16,7 @@ namespace {
 
 /// Where no move gains any more, so many times a move is made that loses something, and kept if more is gained after
 /// it.
-constexpr int kKicks = 60;
+constexpr int kKicks = 100;
 constexpr double kMostLoss = 3;
 /// Places that are tried for a new sphere, and for each one that moves.
 constexpr int kPlaces = 32;
@@ -25,7 +25,7 @@ constexpr double kLeastGain = 0.01;
 /// Corners of so many simplices around a stretched one may leave.
 constexpr std::size_t kNear = 12;
 /// Circumcenters that one move may let in.
-constexpr std::size_t kMostFollowers = 3;
+constexpr std::size_t kMostFollowers = 4;
 
 template <int D>
 class Mender {
@@ -50,20 +50,25 @@ class Mender {
 
   std::size_t run() {
     descend();
-    std::vector<std::uint32_t> bad = stretched();
-    for (int kick = 0; kick < kKicks && !bad.empty(); ++kick) {
+    for (int kick = 0; kick < kKicks && !stretched().empty(); ++kick) {
       const Mender before = *this;
-      const double cost_before = cost_of(bad);
-      improve(bad[random_.bits() % bad.size()], -kMostLoss);
+      const std::uint32_t s = stretched()[random_.bits() % stretched().size()];
+      if (kick % 2 == 0)
+        improve(s, -kMostLoss);
+      else
+        refill(s);
       descend();
-      bad = stretched();
-      if (cost_of(bad) < cost_before) continue;
+      if (cost_of(stretched()) < cost_of(before.stretched_)) continue;
       const Random next = random_;
       restore(before);
       random_ = next;
-      bad = stretched();
     }
-    return bad.size();
+    // A sphere that has left may have been what kept a circumcenter farther away from being added.
+    while (let_in_followers(0, mesh_.size()) > 0) {
+      settle();
+      descend();
+    }
+    return stretched().size();
   }
 
   /// Puts the spheres that there are now in the place of the packing's.
@@ -91,14 +96,31 @@ class Mender {
   void descend() {
     for (bool has_moved = true; has_moved;) {
       has_moved = false;
-      for (const std::uint32_t s : stretched())
+      for (const std::uint32_t s : std::vector(stretched()))
         if (mesh_[s].is_alive && improve(s, kLeastGain)) has_moved = true;
-      // A sphere that has left may have been what kept a circumcenter farther away from being added.
-      if (has_moved) {
-        let_in_followers(0, mesh_.size());
-        settle();
-      }
     }
+  }
+
+  /// Takes away some spheres around simplex s, and fills the room with others.
+  void refill(std::uint32_t s) {
+    const Shape<D> shape = shape_of<D>(mesh_.corners(s));
+    std::vector<Move> leaving = leavers(s);
+    std::ranges::sort(leaving, {},
+                      [&](const Move& m) { return distance_sq(mesh_.points()[*m.leaves], shape.edge_middle); });
+    const auto first = static_cast<std::uint32_t>(mesh_.size());
+    const std::size_t n = std::min<std::size_t>(leaving.size(), 2 + random_.bits() % 6);
+    for (std::size_t i = 0; i < n; ++i) {
+      std::uint32_t at = leaving[i].at;
+      const auto has_it = [&](std::uint32_t t) {
+        return mesh_[t].is_alive && std::ranges::find(mesh_[t].corner, *leaving[i].leaves) != mesh_[t].corner.end();
+      };
+      for (std::uint32_t t = first; t < mesh_.size() && !has_it(at); ++t) at = t;
+      if (has_it(at) && mesh_.remove(*leaving[i].leaves, at)) is_gone_[*leaving[i].leaves] = 1;
+    }
+    if (mesh_.size() == first) return;
+    for (int i = 0; i < 2 * kPlaces; ++i) insert(place(shape, i, {}), static_cast<std::uint32_t>(mesh_.size() - 1));
+    let_in_followers(first, mesh_.size());
+    settle();
   }
 
   void restore(const Mender& before) {
@@ -106,6 +128,8 @@ class Mender {
     carrier_ = before.carrier_;
     spheres_ = before.spheres_;
     is_gone_ = before.is_gone_;
+    stretched_ = before.stretched_;
+    n_looked_at_ = before.n_looked_at_;
   }
 
   [[nodiscard]] double cost_of(const std::vector<std::uint32_t>& simplices) const {
@@ -121,11 +145,11 @@ class Mender {
     double gain = 0;
   };
 
-  [[nodiscard]] std::vector<std::uint32_t> stretched() const {
-    std::vector<std::uint32_t> result;
-    for (std::uint32_t s = 0; s < mesh_.size(); ++s)
-      if (mesh_[s].is_alive && cost(s) > 0) result.push_back(s);
-    return result;
+  const std::vector<std::uint32_t>& stretched() {
+    for (; n_looked_at_ < mesh_.size(); ++n_looked_at_)
+      if (mesh_[n_looked_at_].is_alive && cost(n_looked_at_) > 0) stretched_.push_back(n_looked_at_);
+    std::erase_if(stretched_, [&](std::uint32_t s) { return !mesh_[s].is_alive; });
+    return stretched_;
   }
 
   /// 0 for a simplex that may stay as it is.
@@ -165,9 +189,9 @@ class Mender {
     carrier_.resize(mark.n_points, PolytopeId());
   }
 
-  /// Lets in the circumcenters of simplices from `first` on that are free, so that the packing stays maximal. False if
-  /// they are too many.
-  bool let_in_followers(std::uint32_t first, std::size_t most) {
+  /// Lets in the circumcenters of simplices from `first` on that are free, so that the packing stays maximal;
+  /// no more once there are `most`. Returns how many.
+  std::size_t let_in_followers(std::uint32_t first, std::size_t most) {
     std::size_t n = 0;
     for (std::uint32_t s = first; s < mesh_.size(); ++s) {
       if (!mesh_[s].is_alive) continue;
@@ -179,9 +203,9 @@ class Mender {
       if (!is_finite(shape.center) || !problem_.bounds.contains(shape.center)) continue;
       if (radius < problem_.spacing.at(shape.center) + largest) continue;
       if (!insert(shape.center, s)) continue;
-      if (++n > most) return false;
+      if (++n >= most) break;
     }
-    return true;
+    return n;
   }
 
   [[nodiscard]] double radius_of(std::uint32_t v) const {
@@ -222,7 +246,7 @@ class Mender {
       if (!move.leaves && distance_sq(x, shape.center) >= shape.radius_sq) continue;
       const auto here = mesh_.mark();
       if (!insert(x, near)) continue;
-      if (let_in_followers(static_cast<std::uint32_t>(before.n_simplices), kMostFollowers)) {
+      if (let_in_followers(static_cast<std::uint32_t>(before.n_simplices), kMostFollowers) < kMostFollowers) {
         move.gain = gain_since(before);
         move.comes = x;
         if (move.gain > best.gain) best = move;
@@ -259,7 +283,7 @@ class Mender {
         if (!mesh_.remove(*leaver.leaves, leaver.at)) continue;
         is_gone_[*leaver.leaves] = 1;
         const auto removed = mesh_.mark();
-        if (let_in_followers(static_cast<std::uint32_t>(before.n_simplices), kMostFollowers)) {
+        if (let_in_followers(static_cast<std::uint32_t>(before.n_simplices), kMostFollowers) < kMostFollowers) {
           Move move = leaver;
           move.gain = gain_since(before);
           if (move.gain > best.gain) best = move;
@@ -303,7 +327,9 @@ class Mender {
   SphereSet<D> spheres_;            ///< By vertex, but for those that a trial has added.
   std::vector<double> new_radius_;  ///< Of these.
   BallSet<D> balls_;
-  std::vector<std::uint8_t> is_gone_;  ///< By vertex.
+  std::vector<std::uint8_t> is_gone_;     ///< By vertex.
+  std::vector<std::uint32_t> stretched_;  ///< Among the simplices below n_looked_at_; some may be gone.
+  std::uint32_t n_looked_at_ = 0;
   Random random_;
 };
 

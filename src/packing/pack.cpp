@@ -20,7 +20,7 @@ namespace {
 
 /// So often f shrinks around stretched simplices; then the mesh with the fewest is taken, and the certificate names
 /// them.
-constexpr int kStretchedRounds = 8;
+constexpr int kStretchedRounds = 3;
 /// Nor does f shrink once more if the mesh has grown to so many times the size of the best one, or has so many times
 /// its stretched simplices: some corners are the same at every scale.
 constexpr std::size_t kMostGrowth = 3, kMostStretched = 2;
