@@ -1,6 +1,7 @@
 // Which polytopes of a domain meet, where, and at what angle.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <numbers>
 #include <optional>
@@ -64,6 +65,11 @@ class Incidence {
   /// True if both are segments or facets and meet below kSharpAngle: what is on them may be nearer to each other than
   /// f-spheres allow. A trace counts as its facet.
   [[nodiscard]] bool form_sharp_feature(PolytopeId a, PolytopeId b) const;
+  /// True if it forms one with a segment or facet whose closure holds p.
+  [[nodiscard]] bool is_sharp_at(PolytopeId a, PointId p) const {
+    const std::vector<PolytopeId> around = holders(PolytopeId(p));
+    return std::any_of(around.begin(), around.end(), [&](PolytopeId b) { return form_sharp_feature(a, b); });
+  }
 
  private:
   [[nodiscard]] std::span<const PointId> points_of(PolytopeId p) const;

@@ -91,7 +91,12 @@ double Protection<D>::clear_radius(const Intrusion<D>& it) const {
 /// By T5 only the arc between two centers on the sphere is too long, and it is there alone that f shrinks: not along
 /// the whole triangle, which reaches to the corner.
 template <int D>
-auto Protection<D>::shorten_arc(const Intrusion<D>& it) const -> Cap {
+auto Protection<D>::shorten_arc(const Intrusion<D>& it) -> Cap {
+  const std::pair<PointId, FacetId> place{*it.ball_corner, FacetId(it.ball_carrier.index)};
+  if (!before_.short_arcs.contains(place) && !incidence.is_sharp_at(it.ball_carrier, place.first)) {
+    short_arcs.insert(place);
+    return std::nullopt;
+  }
   const Vec<D> apex = domain_.points[*it.ball_corner];
   const double radius = corner_radius(*it.ball_corner), cosine = 0.5 * radius / it.ball.radius;
   const double half = radius * std::sqrt(std::max(0.0, 1 - cosine * cosine));

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "packing/incidence.h"
@@ -78,7 +79,7 @@ class Protection {
   /// The domain with the traces added to it.
   [[nodiscard]] const Domain<D>& domain() const { return domain_; }
   /// Call before each round of intrusions: what was protected since the last call has had no effect yet.
-  void begin_round() { before_ = {fans, books, corners, shaken, tried_sites_}; }
+  void begin_round() { before_ = {fans, books, corners, shaken, short_arcs, tried_sites_}; }
   /// Narrows the spheres of corners that a ball reaches and that are wide for the f there, each once: if f follows, the
   /// angles ask for that ratio at any radius. False if there are none.
   bool narrow_corners(const Vec<D>& center, double radius, const Spacing<D>& spacing);
@@ -106,7 +107,9 @@ class Protection {
   Groups<PointId, SegmentId> fans;    ///< Segments with centers at common distances from their common point.
   Groups<SegmentId, Page> books;      ///< Pages with the same centers, turned about their common segment, near to it.
   std::map<PointId, double> corners;  ///< Points with a sphere of this radius which carries the first centers around.
-  std::set<SegmentId> shaken;         ///< Segments whose centers move a little, because they were cocircular.
+  /// Facets whose arcs around a corner need to be as short as f, since something came near to one of them.
+  std::set<std::pair<PointId, FacetId>> short_arcs;
+  std::set<SegmentId> shaken;  ///< Segments whose centers move a little, because they were cocircular.
 
  private:
   using Cap = std::optional<SpacingCap<D>>;
@@ -119,7 +122,7 @@ class Protection {
   /// f must shrink so that the ball's radius becomes `wanted`.
   Cap shrink(const Intrusion<D>& it, double wanted, const Spacing<D>& spacing);
   /// The same for the ball of a corner's triangle.
-  [[nodiscard]] Cap shorten_arc(const Intrusion<D>& it) const;
+  Cap shorten_arc(const Intrusion<D>& it);
   bool open_corner(PointId p, const Spacing<D>& spacing);
   bool shrink_corner(const Intrusion<D>& it);
   [[nodiscard]] double height(const Intrusion<D>& it) const;
@@ -130,6 +133,7 @@ class Protection {
     Groups<SegmentId, Page> books;
     std::map<PointId, double> corners;
     std::set<SegmentId> shaken;
+    std::set<std::pair<PointId, FacetId>> short_arcs;
     std::set<TraceSite> tried_sites;
   };
   std::set<TraceSite> tried_sites_;    ///< Of traces that were asked for.

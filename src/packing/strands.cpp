@@ -33,8 +33,9 @@ class StrandPacker {
   void tie(const std::vector<Tie>& ties) {
     std::vector<std::array<double, 2>> wanted(strands_.size());
     for (const Tie& t : ties) {
-      const double w = wanted_reach(t);
-      for (const StrandEnd& e : t.ends) wanted[e.strand][e.is_far ? 1 : 0] = w;
+      const double w = wanted_reach(t, t.angle);
+      for (const StrandEnd& e : t.ends)
+        wanted[e.strand][e.is_far ? 1 : 0] = e.wide_angle ? wanted_reach(t, *e.wide_angle) : w;
     }
     for (const Tie& t : ties) add_shells(t, wanted);
   }
@@ -72,10 +73,15 @@ class StrandPacker {
     return s.at(e.is_far ? s.length - t : t);
   }
 
-  /// f at distance t from the common point, on the strand where it is least.
+  /// f as far as steps depend on it.
+  [[nodiscard]] double half_step(std::uint32_t strand, const Vec<D>& x) const {
+    return std::max(spacing_(x), 0.5 * strands_[strand].least_step);
+  }
+
+  /// The same at distance t from the common point, on the strand where it is least.
   [[nodiscard]] double least(const Tie& tie, double t) const {
     double f = std::numeric_limits<double>::infinity();
-    for (const StrandEnd& e : tie.ends) f = std::min(f, spacing_(at(e, t)));
+    for (const StrandEnd& e : tie.ends) f = std::min(f, half_step(e.strand, at(e, t)));
     return f;
   }
 
@@ -86,8 +92,8 @@ class StrandPacker {
   }
 
   /// The distance at which the strands are far enough apart, or the length of the shortest.
-  [[nodiscard]] double wanted_reach(const Tie& tie) const {
-    const double slope = std::sin(std::min(tie.angle, std::numbers::pi / 2)), length = shortest(tie);
+  [[nodiscard]] double wanted_reach(const Tie& tie, double angle) const {
+    const double slope = std::sin(std::min(angle, std::numbers::pi / 2)), length = shortest(tie);
     for (double t = 0; t < length; t += 0.25 * least(tie, t)) {
       double largest = 0;
       for (const StrandEnd& e : tie.ends) largest = std::max(largest, spacing_(at(e, t)));
@@ -103,16 +109,22 @@ class StrandPacker {
   }
 
   void add_shells(const Tie& tie, const std::vector<std::array<double, 2>>& wanted) {
-    double end = shortest(tie), longest = 0;
-    bool is_full = true;
+    double end = shortest(tie), longest = 0, longest_wide = 0;
+    bool is_full = true, any_stays = false;
     for (const StrandEnd& e : tie.ends) {
       const double length = strands_[e.strand].length;
       const double own = wanted[e.strand][e.is_far ? 1 : 0], other = wanted[e.strand][e.is_far ? 0 : 1];
+      if (e.wide_angle) {
+        longest_wide = std::max(longest_wide, own);
+        continue;
+      }
+      any_stays = true;
       end = std::min(end, other > 0 ? allowed_reach(length, own, other) : own);
       longest = std::max(longest, length);
       is_full = is_full && other == 0 && own >= length;
     }
-    is_full = is_full && longest - end <= 1e-9 * longest;
+    if (!any_stays) end = std::min(end, longest_wide);
+    is_full = is_full && any_stays && longest - end <= 1e-9 * longest;
     if (!is_full)
       for (const StrandEnd& e : tie.ends)
         if (wanted[e.strand][e.is_far ? 0 : 1] == 0)
@@ -125,13 +137,14 @@ class StrandPacker {
       const StrandEnd& e = tie.ends[m];
       auto& shells = shells_[e.strand][e.is_far ? 1 : 0];
       for (std::size_t k = 0; k < positions.size(); ++k) {
+        if (e.wide_angle && k > 0 && positions[k - 1] >= wanted[e.strand][e.is_far ? 1 : 0]) break;
         // Two equal distances t leave room for moves of t^2 (1 - cos angle) / f.
         const double f = least(tie, positions[k]), t_over_f = (tie.start + positions[k]) / f;
         const double wobble = jitter_ * std::min(1.0, (1 - std::cos(tie.angle)) * t_over_f * t_over_f);
         const double noise = 2 * to_unit(hash_words(seed_, e.strand, e.is_far, k)) - 1;
         shells.push_back({positions[k] + wobble * f * noise, f * (1 - 2 * wobble)});
       }
-      if (is_full) is_full_[e.strand] = 1;
+      if (is_full && !e.wide_angle) is_full_[e.strand] = 1;
     }
   }
 
@@ -139,7 +152,7 @@ class StrandPacker {
   [[nodiscard]] std::vector<double> middle(std::uint32_t index, double begin, double end) const {
     const Strand<D>& strand = strands_[index];
     const LocalSpacing<1> along{
-        [&](const Vec<1>& x) { return spacing_(strand.at(begin + x[0])); }, {}, spacing_.lipschitz()};
+        [&](const Vec<1>& x) { return half_step(index, strand.at(begin + x[0])); }, {}, spacing_.lipschitz()};
     std::vector<double> positions = equidistribute(end - begin, along);
     const double least_parts = std::ceil((end - begin) / strand.longest_step - 1e-9);
     if (static_cast<double>(positions.size() + 1) < least_parts) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "voropack/spacing.h"
@@ -18,7 +19,8 @@ struct Strand {
   double length = 0;
   std::function<Vec<D>(double)> at;
   double longest_step = std::numeric_limits<double>::infinity();  ///< No gap between untied centers is longer.
-  double jitter = 0;  ///< Untied centers move at random by this much, relative to f.
+  double least_step = 0;  ///< Gaps are no shorter than that for the sake of f alone.
+  double jitter = 0;      ///< Untied centers move at random by this much, relative to f.
   /// Positions that an untied strand shall have instead of equal steps. Empty: equal steps.
   std::function<std::vector<double>()> positions;
 };
@@ -27,6 +29,9 @@ struct Strand {
 struct StrandEnd {
   std::uint32_t strand = 0;
   bool is_far = false;  ///< The end at `length`.
+  /// The smallest angle with another strand of the tie, radians, if that is large: then the strand goes its own way
+  /// sooner than the others.
+  std::optional<double> wide_angle = std::nullopt;
 };
 
 /// Strands that leave one point at small angles. Points at equal distances from it never encroach upon each other

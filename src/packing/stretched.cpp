@@ -15,8 +15,8 @@ double SharpPairs<D>::angle(PolytopeId p, PolytopeId q) const {
   if (is_new)
     for (const PolytopeId a : incidence_.holders(p))
       for (const PolytopeId b : incidence_.holders(q))
-        if (const auto angle = incidence_.meeting_angle(a, b); angle && *angle < kSharpAngle)
-          it->second = std::min(it->second, *angle);
+        if (incidence_.form_sharp_feature(a, b))
+          it->second = std::min(it->second, *incidence_.meeting_angle(incidence_.given(a), incidence_.given(b)));
   return it->second;
 }
 
