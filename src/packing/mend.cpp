@@ -49,7 +49,7 @@ class Mender {
   }
 
   std::size_t run() {
-    descend();
+    descend(0);
     for (int kick = 0; kick < kKicks && !stretched().empty(); ++kick) {
       const Mender before = *this;
       const std::uint32_t s = stretched()[random_.bits() % stretched().size()];
@@ -57,7 +57,7 @@ class Mender {
         improve(s, -kMostLoss);
       else
         refill(s);
-      descend();
+      descend(static_cast<std::uint32_t>(before.mesh_.size()));
       if (cost_of(stretched()) < cost_of(before.stretched_)) continue;
       const Random next = random_;
       restore(before);
@@ -66,7 +66,7 @@ class Mender {
     // A sphere that has left may have been what kept a circumcenter farther away from being added.
     while (let_in_followers(0, mesh_.size()) > 0) {
       settle();
-      descend();
+      descend(0);
     }
     return stretched().size();
   }
@@ -92,12 +92,12 @@ class Mender {
   }
 
  private:
-  /// Moves that gain, until there are none.
-  void descend() {
+  /// Moves that gain, until there are none for simplices from `first` on.
+  void descend(std::uint32_t first) {
     for (bool has_moved = true; has_moved;) {
       has_moved = false;
       for (const std::uint32_t s : std::vector(stretched()))
-        if (mesh_[s].is_alive && improve(s, kLeastGain)) has_moved = true;
+        if (s >= first && mesh_[s].is_alive && improve(s, kLeastGain)) has_moved = true;
     }
   }
 

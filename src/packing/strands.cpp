@@ -57,7 +57,8 @@ class StrandPacker {
     for (const Shell& s : shells[0]) positions.push_back(s.position), radii.push_back(s.radius);
     const double begin = last(shells[0]).position, end = strand.length - last(shells[1]).position;
     if (is_full_[index] == 0)
-      for (const double t : middle(index, begin, end)) positions.push_back(t), radii.push_back(-1);
+      for (const double t : middle(index, begin, end, {last(shells[0]).radius, last(shells[1]).radius}))
+        positions.push_back(t), radii.push_back(-1);
     for (auto s = shells[1].rbegin(); s != shells[1].rend(); ++s)
       positions.push_back(strand.length - s->position), radii.push_back(s->radius);
     return with_radii(index, positions, radii, {begin, strand.length - end});
@@ -148,11 +149,19 @@ class StrandPacker {
     }
   }
 
-  /// Equal steps in the measure ds / f.
-  [[nodiscard]] std::vector<double> middle(std::uint32_t index, double begin, double end) const {
+  /// Equal steps in the measure ds / f, where f does not grow faster from the last tied spheres than it may anywhere:
+  /// their radii are those of other strands. `tied`: these radii, or 0.
+  [[nodiscard]] std::vector<double> middle(std::uint32_t index, double begin, double end,
+                                           std::array<double, 2> tied) const {
     const Strand<D>& strand = strands_[index];
-    const LocalSpacing<1> along{
-        [&](const Vec<1>& x) { return half_step(index, strand.at(begin + x[0])); }, {}, spacing_.lipschitz()};
+    const double b = spacing_.lipschitz();
+    const auto half = [&](const Vec<1>& x) {
+      double f = half_step(index, strand.at(begin + x[0]));
+      if (tied[0] > 0) f = std::min(f, std::max(tied[0] + b * x[0], 0.5 * strand.least_step));
+      if (tied[1] > 0) f = std::min(f, std::max(tied[1] + b * (end - begin - x[0]), 0.5 * strand.least_step));
+      return f;
+    };
+    const LocalSpacing<1> along{half, {}, b};
     std::vector<double> positions = equidistribute(end - begin, along);
     const double least_parts = std::ceil((end - begin) / strand.longest_step - 1e-9);
     if (static_cast<double>(positions.size() + 1) < least_parts) {
