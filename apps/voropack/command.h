@@ -40,6 +40,7 @@ struct Command {
 Command add_mesh_command(CLI::App& root, CommonOptions& common);
 Command add_check_command(CLI::App& root, CommonOptions& common);
 Command add_stats_command(CLI::App& root, CommonOptions& common);
+Command add_refine_command(CLI::App& root, CommonOptions& common);
 Command add_coarsen_command(CLI::App& root, CommonOptions& common);
 Command add_convert_command(CLI::App& root, CommonOptions& common);
 Command add_plot_command(CLI::App& root, CommonOptions& common);

@@ -87,9 +87,9 @@ int main(int argc, char** argv) {
       "Example: voropack mesh part.poly -o part.vtu --size 0.1");
   CommonOptions common;
   std::vector<Command> commands;
-  for (const auto add :
-       {add_mesh_command, add_check_command, add_stats_command, add_coarsen_command, add_convert_command,
-        add_plot_command, add_solve_command, add_paper_command, add_figure5_command, add_figure8_command})
+  for (const auto add : {add_mesh_command, add_check_command, add_stats_command, add_refine_command,
+                         add_coarsen_command, add_convert_command, add_plot_command, add_solve_command,
+                         add_paper_command, add_figure5_command, add_figure8_command})
     commands.push_back(add(root, common));
 
   try {

@@ -18,8 +18,6 @@ struct MeshArguments {
   fs::path domain;
   std::vector<fs::path> outputs;
   std::optional<fs::path> cells;
-
-  std::vector<std::string> region_sizes, marker_sizes;  ///< Each ID=H.
   MeshingWishes wishes;
 };
 
@@ -94,11 +92,9 @@ ExitCode mesh_domain(const DomainInput<D>& input, const MeshArguments& arguments
   return result.certificate.ok ? ExitCode::kDone : ExitCode::kCheckFailed;
 }
 
-ExitCode run_mesh(MeshArguments& arguments, Session& session) {
+ExitCode run_mesh(const MeshArguments& arguments, Session& session) {
   for (const fs::path& output : arguments.outputs) check_extension(output, kMeshExtensions);
   if (arguments.cells) check_extension(*arguments.cells, {".vtu"});
-  arguments.wishes.region_size = sizes_by_id(arguments.region_sizes, "--region-size");
-  arguments.wishes.marker_size = sizes_by_id(arguments.marker_sizes, "--marker-size");
   StagedOutputs staged;
   for (const fs::path& output : arguments.outputs) staged.meshes.push_back(session.outputs.stage(output));
   if (arguments.cells) staged.cells = session.outputs.stage(*arguments.cells);
@@ -112,58 +108,6 @@ ExitCode run_mesh(MeshArguments& arguments, Session& session) {
   return std::visit([&](const auto& any) { return mesh_domain(any, arguments, staged, times, session); }, input);
 }
 
-void add_size_options(CLI::App& command, MeshArguments& arguments) {
-  command.add_option("--size", arguments.wishes.size, "Wanted mean edge length; without it the geometry alone decides")
-      ->check(positive_number())
-      ->type_name("H");
-  command.add_option("--spacing", arguments.wishes.spacing, "Upper bound on the spacing function f itself (a radius)")
-      ->check(positive_number())
-      ->type_name("F");
-  command.add_option("--region-size", arguments.region_sizes, "Wanted edge length in one region; may be given again")
-      ->check(size_of_id())
-      ->allow_extra_args(false)
-      ->type_name("ID=H");
-  command
-      .add_option("--marker-size", arguments.marker_sizes,
-                  "Wanted edge length at facets, segments, points of one marker; may be given again")
-      ->check(size_of_id())
-      ->allow_extra_args(false)
-      ->type_name("ID=H");
-  command
-      .add_option("--size-field", arguments.wishes.size_field,
-                  "Mesh (.node, .vtu) whose first vertex attribute is the wanted edge length")
-      ->type_name("FILE");
-  command.add_option("--size-expr", arguments.wishes.size_expression, "Wanted edge length as a formula in x, y and z")
-      ->type_name("\"0.05+0.1*x\"");
-  add_gradation_option(command, arguments.wishes.gradation);
-  command.add_option("--feature-factor", arguments.wishes.feature_factor, "Spacing over local feature size, at most 1")
-      ->check(positive_number(1))
-      ->type_name("A")
-      ->capture_default_str();
-}
-
-void add_packing_options(CLI::App& command, MeshArguments& arguments) {
-  add_form_options(command, arguments.wishes.packing.form, arguments.wishes.packing.epsilon);
-  std::vector<std::string> names;
-  for (const auto& [name, value] : kInteriorNames) names.push_back(name);
-  command
-      .add_option_function<std::string>(
-          "--interior",
-          [&interior = arguments.wishes.packing.interior](const std::string& name) {
-            interior = kInteriorNames.at(name);
-          },
-          "With --packing voronoi: what fills the interior, lattice or random")
-      ->check(one_of(names))
-      ->type_name("KIND")
-      ->default_str(name_of(kInteriorNames, arguments.wishes.packing.interior));
-  command
-      .add_option("--max-vertices", arguments.wishes.packing.max_vertices,
-                  "Stop before the work if more vertices than this are expected")
-      ->check(whole_number(1))
-      ->type_name("N")
-      ->capture_default_str();
-}
-
 }  // namespace
 
 Command add_mesh_command(CLI::App& root, CommonOptions& common) {
@@ -175,9 +119,9 @@ Command add_mesh_command(CLI::App& root, CommonOptions& common) {
       ->type_name("MESH");
   app->add_option("--cells", arguments->cells, "Write the control volumes as polyhedra or polygons")
       ->type_name("FILE.vtu");
-  add_size_options(*app, *arguments);
+  add_size_options(*app, arguments->wishes);
   add_merge_options(*app, arguments->wishes.merge);
-  add_packing_options(*app, *arguments);
+  add_packing_options(*app, arguments->wishes.packing);
   add_common_options(*app, common);
   app->footer(
       "Lengths are in the units of the domain.\n"

@@ -106,6 +106,63 @@ std::string domain_line(const fs::path& path, const Domain<D>& domain) {
   return text + fmt::format(", {} regions\n", grouped(domain.region_id.size()));
 }
 
+namespace {
+
+void add_sizes_by_id(CLI::App& command, const std::string& name, std::map<int, double>& sizes,
+                     const std::string& description) {
+  command
+      .add_option_function<std::vector<std::string>>(
+          name, [&sizes, name](const std::vector<std::string>& given) { sizes = sizes_by_id(given, name); },
+          description)
+      ->check(size_of_id())
+      ->allow_extra_args(false)
+      ->type_name("ID=H");
+}
+
+}  // namespace
+
+void add_size_options(CLI::App& command, MeshingWishes& wishes) {
+  command.add_option("--size", wishes.size, "Wanted mean edge length; without it the geometry alone decides")
+      ->check(positive_number())
+      ->type_name("H");
+  command.add_option("--spacing", wishes.spacing, "Upper bound on the spacing function f itself (a radius)")
+      ->check(positive_number())
+      ->type_name("F");
+  add_sizes_by_id(command, "--region-size", wishes.region_size, "Wanted edge length in one region; may be given again");
+  add_sizes_by_id(command, "--marker-size", wishes.marker_size,
+                  "Wanted edge length at facets, segments, points of one marker; may be given again");
+  command
+      .add_option("--size-field", wishes.size_field,
+                  "Mesh (.node, .vtu) whose first vertex attribute is the wanted edge length")
+      ->type_name("FILE");
+  command.add_option("--size-expr", wishes.size_expression, "Wanted edge length as a formula in x, y and z")
+      ->type_name("\"0.05+0.1*x\"");
+  add_gradation_option(command, wishes.gradation);
+  command.add_option("--feature-factor", wishes.feature_factor, "Spacing over local feature size, at most 1")
+      ->check(positive_number(1))
+      ->type_name("A")
+      ->capture_default_str();
+}
+
+void add_packing_options(CLI::App& command, PackingOptions& packing) {
+  add_form_options(command, packing.form, packing.epsilon);
+  std::vector<std::string> names;
+  for (const auto& [name, value] : kInteriorNames) names.push_back(name);
+  command
+      .add_option_function<std::string>(
+          "--interior", [&interior = packing.interior](const std::string& name) { interior = kInteriorNames.at(name); },
+          "With --packing voronoi: what fills the interior, lattice or random")
+      ->check(one_of(names))
+      ->type_name("KIND")
+      ->default_str(name_of(kInteriorNames, packing.interior));
+  command
+      .add_option("--max-vertices", packing.max_vertices,
+                  "Stop before the work if more vertices than this are expected")
+      ->check(whole_number(1))
+      ->type_name("N")
+      ->capture_default_str();
+}
+
 template MeshingOptions<2> meshing_options(const MeshingWishes&, const Session&);
 template Json meshing_json(const MeshingWishes&, const MeshingOptions<2>&);
 template void describe_meshing(const MeshingResult<2>&, Report&);

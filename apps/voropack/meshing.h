@@ -23,6 +23,11 @@ struct MeshingWishes {
   PackingOptions packing;
 };
 
+/// The options that say how large elements shall be.
+void add_size_options(CLI::App& command, MeshingWishes& wishes);
+/// --packing, --epsilon, --interior, --max-vertices.
+void add_packing_options(CLI::App& command, PackingOptions& packing);
+
 /// Reads the size field, if there is one. Throws InputError cli.size_field, and as read_mesh.
 template <int D>
 MeshingOptions<D> meshing_options(const MeshingWishes& wishes, const Session& session);

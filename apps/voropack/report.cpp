@@ -192,6 +192,7 @@ Json to_json(const Report& report) {
   if (report.certificate) json["certificate"] = certificate_json(*report.certificate);
   if (report.solve) json["solve"] = *report.solve;
   if (report.figure3) json["figure3"] = *report.figure3;
+  if (report.refinement) json["refinement"] = *report.refinement;
   if (report.levels) json["levels"] = *report.levels;
   json["timing_s"] = timing_json(report.times);
   json["threads"] = report.threads;

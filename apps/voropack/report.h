@@ -45,7 +45,8 @@ struct Report {
   std::optional<Json> costliest_features;
   std::optional<Json> figure3;
   std::optional<Json> solve;
-  std::optional<Json> levels;  ///< Of a hierarchy, the finest coarse one first.
+  std::optional<Json> refinement;  ///< Old vertices kept and removed, new ones added.
+  std::optional<Json> levels;      ///< Of a hierarchy, the finest coarse one first.
   StageTimes times;
   int threads = 0;
 };

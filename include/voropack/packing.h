@@ -38,6 +38,15 @@ struct PackingOptions {
   int max_repairs = 60;                      ///< Rounds of shrinking f where a protecting ball is not empty.
 };
 
+/// Mean edge length divided by f far from features, measured on uniform packings of the unit cube and square
+/// (docs/theory/packing.md).
+template <int D>
+double edge_per_spacing(const PackingOptions& options) {
+  if (options.form != PackingForm::kVoronoi) return D == 3 ? 2.755 : 2.71;
+  if (options.interior == Interior::kRandom) return D == 3 ? 2.71 : 2.67;
+  return D == 3 ? 3.307 : 3.464;
+}
+
 /// A simplex of dimension < D on a polytope whose diametral ball (its *protecting ball*) holds no sphere's center.
 template <int K>
 struct ProtectedSimplex {
@@ -78,6 +87,16 @@ struct Packing {
       0;  ///< Wall time in seconds that the Delaunay kernel took of the whole: stage 4 begins here.
 };
 
+/// Vertices of an older mesh of the same domain, with which a packing begins.
+template <int D>
+struct KeptVertices {
+  std::vector<Vec<D>> position;     ///< [n]
+  std::vector<PolytopeId> carrier;  ///< [n] the polytope of lowest dimension that holds the position.
+  /// True: each becomes a center. f must be so small that their f-spheres do not overlap; where one of them lies in a
+  /// protecting ball, f shrinks. False: those become centers that fit, lower polytopes first.
+  bool all_stay = true;
+};
+
 /// Packs every polytope of `domain` in ascending dimension, as algorithm PACKING of [Miller1996], section 3.
 ///
 /// Throws: LimitError packing.too_many_vertices with the estimate and the costliest features: before the work, or as
@@ -87,6 +106,11 @@ struct Packing {
 template <int D>
 Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options = {},
                 Observer& observer = silent_observer());
+
+/// The same, beginning on each polytope with what `kept` has there: a maximal packing is completed from any start.
+template <int D>
+Packing<D> pack_around(const KeptVertices<D>& kept, const Domain<D>& domain, const Spacing<D>& spacing,
+                       const PackingOptions& options = {}, Observer& observer = silent_observer());
 
 /// The number of spheres that `pack` will need, within some 20 %, from the integral of f^-D. Cheap.
 template <int D>

@@ -6,10 +6,12 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <span>
 
 #include "base/parallel.h"
 #include "base/random.h"
 #include "geom/circumcenter.h"
+#include "geom/polytope_distance.h"
 #include "packing/book.h"
 #include "packing/corner.h"
 #include "packing/facet.h"
@@ -35,9 +37,10 @@ LocalSpacing<1> spacing_along(const Spacing<D>& spacing, const Vec<D>& a, const 
           spacing.lipschitz()};
 }
 
-/// Arc lengths of the centers inside an untied segment of the random forms, ascending.
+/// Arc lengths of the new centers inside an untied segment of the random forms, ascending.
 template <int D>
-std::vector<double> pack_segment(const Domain<D>& domain, SegmentId segment, const Spacing<D>& spacing,
+std::vector<double> pack_segment(const Domain<D>& domain, SegmentId segment,
+                                 std::span<const typename KeptCenters<D>::OnSegment> kept, const Spacing<D>& spacing,
                                  const PackingOptions& options, const Observer& observer) {
   const Vec<D> a = domain.points[domain.segments[segment][0]], b = domain.points[domain.segments[segment][1]];
   const double length = distance(a, b);
@@ -45,6 +48,7 @@ std::vector<double> pack_segment(const Domain<D>& domain, SegmentId segment, con
   PackingProblem<1> problem;
   problem.bounds = Box<1>({0.0}, {length});
   problem.fixed = {{{0.0}, along.at({0.0})}, {{length}, along.at({length})}};
+  for (const auto& k : kept) problem.fixed.push_back({{k.position}, along.at({k.position})});
   problem.spacing = along;
   problem.form = options.form;
   problem.epsilon = options.epsilon;
@@ -57,6 +61,8 @@ std::vector<double> pack_segment(const Domain<D>& domain, SegmentId segment, con
 
 template <int D>
 class BoundaryPacker {
+  using KeptCenter = typename KeptCenters<D>::OnSegment;
+
  public:
   BoundaryPacker(const Domain<D>& domain, const Spacing<D>& spacing, Protection<D>& protection,
                  const PackingOptions& options, const Observer& observer)
@@ -69,6 +75,7 @@ class BoundaryPacker {
 
   BoundaryPacking<D> run() {
     protection_.begin_round();
+    choose_kept_on_segments();
     add_points();
     add_segments();
     settle();
@@ -77,6 +84,7 @@ class BoundaryPacker {
       if (!is_well()) return std::move(result_);
       const std::size_t n_spheres = packing().center.size(), n_balls = result_.balls.size();
       starts_.resize(domain_.facet_frame.size());
+      add_kept_on_facets();
       add_fans();
       settle();
       add_books();
@@ -115,6 +123,55 @@ class BoundaryPacker {
     for (const PointId p : ids(domain_.points)) add(domain_.points[p], spacing_(domain_.points[p]), PolytopeId(p));
   }
 
+  /// Those that fit, where not all have to stay: along each segment what leaves room for the one before and the end.
+  void choose_kept_on_segments() {
+    for (const SegmentId s : ids(domain_.segments)) {
+      std::vector<KeptCenter> chosen(protection_.kept.on_segment(s).begin(), protection_.kept.on_segment(s).end());
+      if (!protection_.kept.all_stay()) {
+        const auto [a, b] = domain_.segments[s];
+        const double length = distance(domain_.points[a], domain_.points[b]), last = spacing_(domain_.points[b]);
+        double begin = 0, radius = spacing_(domain_.points[a]);
+        std::erase_if(chosen, [&](const KeptCenter& k) {
+          const double f = spacing_(k.center);
+          const bool fits = k.position - begin >= (radius + f) * (1 - kPackingSlack) &&
+                            length - k.position >= (f + last) * (1 - kPackingSlack);
+          if (fits) begin = k.position, radius = f;
+          return !fits;
+        });
+      }
+      kept_on_segment_.push_row(chosen);
+    }
+  }
+
+  /// Those that fit, where not all have to stay: what overlaps nothing, is in no protecting ball and keeps the far
+  /// rule.
+  void add_kept_on_facets() requires(D == 3) {
+    if (protection_.kept.empty()) return;
+    const bool all_stay = protection_.kept.all_stay();
+    SphereSet<3> spheres(domain_.box.center(), spacing_.lipschitz(), packing().radius[SphereId(0)]);
+    BallSet<3> balls(domain_.box.center());
+    if (!all_stay) {
+      for (const SphereId s : ids(packing().center)) spheres.add({packing().center[s], packing().radius[s]});
+      for (const Ball<3>& b : result_.balls) balls.add(b);
+    }
+    for (const FacetId facet : ids(domain_.facet_frame)) {
+      const auto is_far = [&](const Vec<3>& x, double f) {
+        return std::ranges::all_of(domain_.facet_segments[facet], [&](SegmentId s) {
+          const auto [a, b] = domain_.segments[s];
+          return distance_to_segment(x, domain_.points[a], domain_.points[b]) >= 2 * f;
+        });
+      };
+      for (const Vec<3>& x : protection_.kept.on_facet(facet)) {
+        const double f = spacing_(x);
+        if (!all_stay) {
+          if (spheres.conflicts(x, f) || balls.forbids(x) || !is_far(x, f)) continue;
+          spheres.add({x, f});
+        }
+        starts_[facet.value()].spheres.push_back(add(x, f, PolytopeId(facet)));
+      }
+    }
+  }
+
   void add_segments() {
     const std::vector<PackedStrand> strands = pack_strands(segment_strands(), segment_ties(), spacing_,
                                                            D == 3 ? kTieJitter : 0.0, hash_words(options_.seed, 1));
@@ -124,14 +181,21 @@ class BoundaryPacker {
       const double length = distance(start, end);
       const std::array<double, 2> rim = {protection_.corner_radius(a), protection_.corner_radius(b)};
       std::vector<SphereId> chain = {SphereId(a.value())};
-      const auto append = [&](double t, double radius) {
-        const Vec<D> x = point_between(start, end, t / length);
+      const auto append_center = [&](const Vec<D>& x, double radius) {
         chain.push_back(add(x, std::min(radius, spacing_(x)), PolytopeId(s)));
+      };
+      const auto append = [&](double t, double radius) {
+        append_center(point_between(start, end, t / length), radius);
       };
       const double unlimited = std::numeric_limits<double>::infinity();
       const PackedStrand& strand = strands[s.value()];
       if (rim[0] > 0) append(rim[0], unlimited);
-      for (std::size_t k = 0; k < strand.position.size(); ++k) append(rim[0] + strand.position[k], strand.radius[k]);
+      for (std::size_t k = 0; k < strand.position.size(); ++k) {
+        if (strand.kept[k] >= 0)
+          append_center(kept_on_segment_[s][static_cast<std::size_t>(strand.kept[k])].center, strand.radius[k]);
+        else
+          append(rim[0] + strand.position[k], strand.radius[k]);
+      }
       if (rim[1] > 0) append(length - rim[1], unlimited);
       chain.push_back(SphereId(b.value()));
       fit_radii(chain);
@@ -156,8 +220,11 @@ class BoundaryPacker {
       strand.length = length - first - last;
       strand.at = [=](double t) { return point_between(start, end, (first + t) / length); };
       if (protection_.shaken.contains(s)) strand.jitter = kSegmentJitter;
+      for (const KeptCenter& k : kept_on_segment_[s]) strand.kept.push_back(k.position - first);
       if (options_.form != PackingForm::kVoronoi && first == 0 && last == 0)
-        strand.positions = [this, s] { return pack_segment(domain_, s, spacing_, options_, observer_); };
+        strand.positions = [this, s] {
+          return pack_segment(domain_, s, kept_on_segment_[s], spacing_, options_, observer_);
+        };
       strands.push_back(std::move(strand));
     }
     return strands;
@@ -444,6 +511,7 @@ class BoundaryPacker {
   const PackingOptions& options_;
   const Observer& observer_;
   BoundaryPacking<D> result_;
+  Csr<SegmentId, KeptCenter> kept_on_segment_;
   Csr<SegmentId, SphereId> spheres_of_segment_;
   std::vector<FacetStart> starts_;                               ///< By facet.
   std::vector<std::unique_ptr<BookZone>> zones_;                 ///< Reserved areas refer to them.

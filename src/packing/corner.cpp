@@ -61,7 +61,8 @@ std::vector<FanArc> pack_corners(const Domain<3>& domain, const Protection<3>& p
                            .at = [&domain, fan, radius](double t) { return point_of_arc(domain, fan, radius, t); },
                            .longest_step = radius * std::numbers::pi / 2,
                            .least_step = least_arc,
-                           .positions = {}});
+                           .positions = {},
+                           .kept = {}});
       }
     }
     for (const SegmentId s : protection.incidence.segments_at(apex)) {

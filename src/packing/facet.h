@@ -25,7 +25,7 @@ struct PackedFacet {
 
 /// What is packed of a facet before its interior.
 struct FacetStart {
-  std::vector<SphereId> spheres;              ///< Of corners and books, in the facet's interior.
+  std::vector<SphereId> spheres;              ///< Kept ones, those of corners and books, in the facet's interior.
   std::vector<std::array<SphereId, 3>> fans;  ///< Triangles around corners: their circles must stay empty.
   ReservedArea reserved;                      ///< Where only these may be.
 };

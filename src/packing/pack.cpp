@@ -141,13 +141,14 @@ void add_caps(std::vector<SpacingCap<D>>& caps, std::vector<SpacingCap<D>> more,
 template <int D>
 class AdaptivePacker {
  public:
-  AdaptivePacker(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options, Observer& observer)
+  AdaptivePacker(const KeptVertices<D>& kept, const Domain<D>& domain, const Spacing<D>& spacing,
+                 const PackingOptions& options, Observer& observer)
       : spacing_(spacing),
         options_(options),
         observer_(observer),
         budget_(domain, options),
         walls_(locator_of(domain)),
-        protection_(domain) {}
+        protection_(domain, kept) {}
 
   Packing<D> run() {
     budget_.check_ahead(spacing_);
@@ -191,6 +192,8 @@ class AdaptivePacker {
     all_caps.insert(all_caps.end(), boundary.tied.begin(), boundary.tied.end());
     const Spacing<D> tied = all_caps.empty() ? spacing_ : spacing_.with_caps(all_caps);
     if (!best_) budget_.check_again(tied, n_boundary_);
+    if (!add_kept_interior(boundary, tied)) return false;
+    n_fixed_ = boundary.packing.center.size();
     const PackingProblem<D> problem = interior_problem(protection_.domain(), tied, boundary, walls_, options_);
     PackedInterior<D> interior = pack_interior(problem, false, observer_);
     if (!interior.broken_faces.empty()) {
@@ -222,6 +225,43 @@ class AdaptivePacker {
     return false;
   }
 
+  /// False, with a fault, if one that has to stay lies in a protecting ball.
+  bool add_kept_interior(BoundaryPacking<D>& boundary, const Spacing<D>& f) {
+    const KeptCenters<D>& kept = protection_.kept;
+    if (kept.empty()) return true;
+    Packing<D>& packing = boundary.packing;
+    BallSet<D> balls(protection_.domain().box.center());
+    for (const Ball<D>& b : boundary.balls) balls.add(b);
+    SphereSet<D> spheres(protection_.domain().box.center(), f.lipschitz(), packing.radius[SphereId(0)]);
+    if (!kept.all_stay())
+      for (const SphereId s : ids(packing.center)) spheres.add({packing.center[s], packing.radius[s]});
+    std::vector<std::optional<Ball<D>>> holding(kept.inside().size());
+    std::vector<double> radius(kept.inside().size());
+    parallel_for(kept.inside().size(), [&](std::size_t i) {
+      const Vec<D>& x = kept.inside()[i].center;
+      radius[i] = f(x);
+      balls.visit_holding(x, kept.all_stay() ? -kBallMargin : kBallMargin, [&](std::uint32_t b) {
+        holding[i] = balls[b];
+        return true;
+      });
+    });
+    for (std::size_t i = 0; i < kept.inside().size(); ++i) {
+      const auto& [x, region] = kept.inside()[i];
+      const PolytopeId carrier(D, region.value());
+      if (kept.all_stay()) {
+        if (holding[i])
+          boundary.faults.push_back(repair_cap(holding[i]->center, holding[i]->radius, f, carrier, carrier));
+      } else {
+        if (holding[i] || spheres.conflicts(x, radius[i])) continue;
+        spheres.add({x, radius[i]});
+      }
+      packing.center.push_back(x);
+      packing.radius.push_back(radius[i]);
+      packing.carrier.push_back(carrier);
+    }
+    return boundary.faults.empty();
+  }
+
   /// Adds the interior, and as faults its stretched simplices that no mending has removed.
   void add_interior(const PackingProblem<D>& problem, PackedInterior<D>&& interior, BoundaryPacking<D>& boundary) {
     append_interior(boundary.packing, std::move(interior));
@@ -229,7 +269,7 @@ class AdaptivePacker {
     boundary.faults = stretched_simplices(boundary.packing, incidence);
     if (boundary.faults.empty()) return;
     observer_.log(LogLevel::kInfo, fmt::format("{} simplices are stretched", boundary.faults.size()));
-    mend_stretched(boundary.packing, n_boundary_, problem, incidence);
+    mend_stretched(boundary.packing, n_fixed_, problem, incidence);
     boundary.faults = stretched_simplices(boundary.packing, incidence);
   }
 
@@ -241,6 +281,7 @@ class AdaptivePacker {
   Protection<D> protection_;
   std::vector<SpacingCap<D>> caps_;
   std::size_t n_boundary_ = 0;
+  std::size_t n_fixed_ = 0;  ///< Of the boundary and kept ones.
   int stretched_rounds_ = 0;
   std::optional<Conforming> best_;
 };
@@ -249,8 +290,14 @@ class AdaptivePacker {
 
 template <int D>
 Packing<D> pack(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options, Observer& observer) {
+  return pack_around(KeptVertices<D>{}, domain, spacing, options, observer);
+}
+
+template <int D>
+Packing<D> pack_around(const KeptVertices<D>& kept, const Domain<D>& domain, const Spacing<D>& spacing,
+                       const PackingOptions& options, Observer& observer) {
   observer.begin_stage("packing");
-  return AdaptivePacker<D>(domain, spacing, options, observer).run();
+  return AdaptivePacker<D>(kept, domain, spacing, options, observer).run();
 }
 
 template <int D>
@@ -276,6 +323,10 @@ std::string find_packing_fault(const Packing<D>& packing, const Domain<D>& domai
 
 template Packing<2> pack(const Domain<2>&, const Spacing<2>&, const PackingOptions&, Observer&);
 template Packing<3> pack(const Domain<3>&, const Spacing<3>&, const PackingOptions&, Observer&);
+template Packing<2> pack_around(const KeptVertices<2>&, const Domain<2>&, const Spacing<2>&, const PackingOptions&,
+                                Observer&);
+template Packing<3> pack_around(const KeptVertices<3>&, const Domain<3>&, const Spacing<3>&, const PackingOptions&,
+                                Observer&);
 template std::string find_packing_fault(const Packing<2>&, const Domain<2>&, const Spacing<2>&);
 template std::string find_packing_fault(const Packing<3>&, const Domain<3>&, const Spacing<3>&);
 

@@ -16,6 +16,8 @@ constexpr double kCornerRadius = 2.7;
 constexpr double kWideCorner = 4;
 /// A corner's sphere reaches at most this part of the way along its segments, and to others of its facets.
 constexpr double kCornerShare = 0.4;
+/// And this part of the way to the nearest kept center: as far as if that were the rim for twice the f.
+constexpr double kKeptShare = 0.5;
 /// A point shared by two polytopes is protected when they fail within this many ball radii of it; farther away
 /// smaller spheres are cheaper.
 constexpr double kNear = 4;
@@ -37,7 +39,7 @@ bool Protection<D>::narrow_corners(const Vec<D>& center, double radius, const Sp
     const double f = spacing(domain_.points[p]);
     if (distance(center, domain_.points[p]) > before + radius || before <= kWideCorner * f) continue;
     if (!narrowed_.insert(p).second) continue;
-    corners.at(p) = kCornerRadius * f;
+    corners.at(p) = free_radius(p, spacing);
     narrowed = true;
   }
   return narrowed;
@@ -114,9 +116,15 @@ auto Protection<D>::shrink(const Intrusion<D>& it, double wanted, const Spacing<
 }
 
 template <int D>
+double Protection<D>::free_radius(PointId p, const Spacing<D>& spacing) const {
+  const double radius = kCornerRadius * spacing(domain_.points[p]);
+  return kept.empty() ? radius : std::min(radius, kKeptShare * kept.nearest(domain_, incidence, p));
+}
+
+template <int D>
 bool Protection<D>::open_corner(PointId p, const Spacing<D>& spacing) {
   if (before_.corners.contains(p)) return false;
-  double radius = kCornerRadius * spacing(domain_.points[p]);
+  double radius = free_radius(p, spacing);
   for (const SegmentId s : incidence.segments_at(p)) {
     const auto [a, b] = domain_.segments[s];
     radius = std::min(radius, kCornerShare * distance(domain_.points[a], domain_.points[b]));
@@ -186,6 +194,7 @@ void Protection<D>::add_traces(const Spacing<D>& spacing) {
       add_trace(domain_, *trace);
       trace_facets_.push_back(site.facet);
       incidence = Incidence<D>(domain_, trace_facets_);
+      kept = KeptCenters<D>(domain_, incidence, kept_vertices_);
       fans.join(site.tip, site.segment, SegmentId(domain_.segments.size() - 1));
     }
     new_sites_.clear();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "packing/incidence.h"
+#include "packing/kept.h"
 #include "packing/traces.h"
 #include "spheres/sphere_set.h"
 #include "voropack/domain.h"
@@ -70,9 +71,12 @@ struct Intrusion {
 template <int D>
 class Protection {
   Domain<D> domain_;
+  const KeptVertices<D>& kept_vertices_;
 
  public:
-  explicit Protection(const Domain<D>& domain) : domain_(domain), incidence(domain_) {}
+  /// `vertices` must outlive this.
+  Protection(const Domain<D>& domain, const KeptVertices<D>& vertices)
+      : domain_(domain), kept_vertices_(vertices), incidence(domain_), kept(domain_, incidence, vertices) {}
   Protection(const Protection&) = delete;
   Protection& operator=(const Protection&) = delete;
 
@@ -104,6 +108,7 @@ class Protection {
   [[nodiscard]] double least_angle(PointId tip, const std::vector<SegmentId>& segments) const;
 
   Incidence<D> incidence;             ///< Of domain().
+  KeptCenters<D> kept;                ///< On the polytopes of domain().
   Groups<PointId, SegmentId> fans;    ///< Segments with centers at common distances from their common point.
   Groups<SegmentId, Page> books;      ///< Pages with the same centers, turned about their common segment, near to it.
   std::map<PointId, double> corners;  ///< Points with a sphere of this radius which carries the first centers around.
@@ -124,6 +129,8 @@ class Protection {
   /// The same for the ball of a corner's triangle.
   Cap shorten_arc(const Intrusion<D>& it);
   bool open_corner(PointId p, const Spacing<D>& spacing);
+  /// The radius that a corner's sphere gets if nothing is in its way but what is kept.
+  [[nodiscard]] double free_radius(PointId p, const Spacing<D>& spacing) const;
   bool shrink_corner(const Intrusion<D>& it);
   [[nodiscard]] double height(const Intrusion<D>& it) const;
   [[nodiscard]] double clear_radius(const Intrusion<D>& it) const;

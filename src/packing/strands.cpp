@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "base/parallel.h"
 #include "base/random.h"
@@ -18,6 +19,8 @@ namespace {
 constexpr double kShare = 0.45;
 /// Room in f that a tie leaves to the far end of a strand that goes on alone.
 constexpr double kLeftover = 2.5;
+/// Kept centers of different strands at distances that differ by less than this, relative to f, are the same shell.
+constexpr double kSameShell = 0.1;
 
 template <int D>
 class StrandPacker {
@@ -44,7 +47,7 @@ class StrandPacker {
     const Strand<D>& strand = strands_[index];
     std::array<std::vector<Shell>, 2> shells = shells_[index];
     const bool is_free = shells[0].empty() && shells[1].empty() && is_full_[index] == 0;
-    if (is_free && strand.positions) return with_radii(index, strand.positions(), {}, {});
+    if (is_free && strand.positions) return packed(index, given_places(strand), {});
     // Where two ties leave no room between them, the longer one gives way.
     const auto last = [](const std::vector<Shell>& s) { return s.empty() ? Shell{0, 0} : s.back(); };
     while (!shells[0].empty() || !shells[1].empty()) {
@@ -53,20 +56,21 @@ class StrandPacker {
       if (room >= needed || is_full_[index] != 0) break;
       shells[last(shells[0]).position >= last(shells[1]).position ? 0 : 1].pop_back();
     }
-    std::vector<double> positions, radii;
-    for (const Shell& s : shells[0]) positions.push_back(s.position), radii.push_back(s.radius);
     const double begin = last(shells[0]).position, end = strand.length - last(shells[1]).position;
+    std::vector<Shell> places = shells[0];
     if (is_full_[index] == 0)
-      for (const double t : middle(index, begin, end, {last(shells[0]).radius, last(shells[1]).radius}))
-        positions.push_back(t), radii.push_back(-1);
+      for (const Shell& s : middle(index, shells, begin, end, {last(shells[0]).radius, last(shells[1]).radius}))
+        places.push_back(s);
     for (auto s = shells[1].rbegin(); s != shells[1].rend(); ++s)
-      positions.push_back(strand.length - s->position), radii.push_back(s->radius);
-    return with_radii(index, positions, radii, {begin, strand.length - end});
+      places.push_back({strand.length - s->position, s->radius, s->kept});
+    return packed(index, places, {begin, strand.length - end});
   }
 
  private:
+  /// A center by its distance from an end. Radius -1: f.
   struct Shell {
     double position, radius;
+    int kept = -1;  ///< As in PackedStrand.
   };
 
   [[nodiscard]] Vec<D> at(const StrandEnd& e, double t) const {
@@ -109,6 +113,67 @@ class StrandPacker {
     return own <= share ? own : std::max(share, length - other);
   }
 
+  /// A distance from a tie's common point where strands have kept centers.
+  struct Break {
+    double position;
+    std::vector<int> kept;  ///< By end of the tie: index into Strand::kept, or -1.
+  };
+
+  [[nodiscard]] std::vector<Break> find_breaks(const Tie& tie) const {
+    struct Kept {
+      double position;
+      std::size_t end;
+      int index;
+    };
+    std::vector<Kept> all;
+    for (std::size_t m = 0; m < tie.ends.size(); ++m) {
+      const Strand<D>& strand = strands_[tie.ends[m].strand];
+      for (std::size_t k = 0; k < strand.kept.size(); ++k)
+        all.push_back({tie.ends[m].is_far ? strand.length - strand.kept[k] : strand.kept[k], m, static_cast<int>(k)});
+    }
+    std::ranges::sort(all, {}, [](const Kept& k) { return std::pair(k.position, k.end); });
+    std::vector<Break> breaks;
+    for (const Kept& k : all) {
+      const bool is_same = !breaks.empty() && breaks.back().kept[k.end] < 0 &&
+                           k.position - breaks.back().position <= kSameShell * least(tie, k.position);
+      if (!is_same) breaks.push_back({k.position, std::vector<int>(tie.ends.size(), -1)});
+      breaks.back().kept[k.end] = k.index;
+    }
+    return breaks;
+  }
+
+  /// Where a tie ends that should end at `end`: at kept centers that are too near for that.
+  [[nodiscard]] double fitted_end(const Tie& tie, const std::vector<Break>& breaks, double end) const {
+    const double f = least(tie, end), limit = shortest(tie) - f;
+    double nearest = end;
+    for (const Break& b : breaks)
+      if (b.position <= limit && std::abs(b.position - end) < 2 * f &&
+          (nearest == end || std::abs(b.position - end) < std::abs(nearest - end)))
+        nearest = b.position;
+    return nearest;
+  }
+
+  /// Common distances up to `end`: those of kept centers, and equal steps of the measure ds / f between them.
+  [[nodiscard]] std::vector<Break> common_distances(const Tie& tie, const std::vector<Break>& breaks, double end,
+                                                    bool with_end) const {
+    std::vector<Break> result;
+    const std::vector<int> none(tie.ends.size(), -1);
+    double from = 0;
+    const auto step_to = [&](double to) {
+      const LocalSpacing<1> along{[&](const Vec<1>& x) { return least(tie, from + x[0]); }, {}, spacing_.lipschitz()};
+      for (const double t : equidistribute(to - from, along)) result.push_back({from + t, none});
+    };
+    for (const Break& b : breaks) {
+      if (b.position > end) break;
+      step_to(b.position);
+      result.push_back(b);
+      from = b.position;
+    }
+    if (from < end) step_to(end);
+    if (with_end && end - from >= least(tie, from) + least(tie, end)) result.push_back({end, none});
+    return result;
+  }
+
   void add_shells(const Tie& tie, const std::vector<std::array<double, 2>>& wanted) {
     double end = shortest(tie), longest = 0, longest_wide = 0;
     bool is_full = true, any_stays = false;
@@ -131,28 +196,63 @@ class StrandPacker {
         if (wanted[e.strand][e.is_far ? 0 : 1] == 0)
           end = std::min(end, strands_[e.strand].length - kLeftover * spacing_(at(e, end)));
     if (!(end > 0)) return;
-    const LocalSpacing<1> along{[&](const Vec<1>& x) { return least(tie, x[0]); }, {}, spacing_.lipschitz()};
-    std::vector<double> positions = equidistribute(end, along);
-    if (!is_full && end >= least(tie, 0) + least(tie, end)) positions.push_back(end);
+    const std::vector<Break> breaks = find_breaks(tie);
+    if (!is_full) end = fitted_end(tie, breaks, end);
+    const std::vector<Break> common = common_distances(tie, breaks, end, !is_full);
     for (std::size_t m = 0; m < tie.ends.size(); ++m) {
       const StrandEnd& e = tie.ends[m];
+      const Strand<D>& strand = strands_[e.strand];
       auto& shells = shells_[e.strand][e.is_far ? 1 : 0];
-      for (std::size_t k = 0; k < positions.size(); ++k) {
-        if (e.wide_angle && k > 0 && positions[k - 1] >= wanted[e.strand][e.is_far ? 1 : 0]) break;
+      for (std::size_t k = 0; k < common.size(); ++k) {
+        if (e.wide_angle && k > 0 && common[k - 1].position >= wanted[e.strand][e.is_far ? 1 : 0]) break;
+        const double t = common[k].position, f = least(tie, t);
+        if (const int kept = common[k].kept[m]; kept >= 0) {
+          const double own = strand.kept[static_cast<std::size_t>(kept)];
+          shells.push_back({e.is_far ? strand.length - own : own, f, kept});
+          continue;
+        }
         // Two equal distances t leave room for moves of t^2 (1 - cos angle) / f.
-        const double f = least(tie, positions[k]), t_over_f = (tie.start + positions[k]) / f;
+        const double t_over_f = (tie.start + t) / f;
         const double wobble = jitter_ * std::min(1.0, (1 - std::cos(tie.angle)) * t_over_f * t_over_f);
         const double noise = 2 * to_unit(hash_words(seed_, e.strand, e.is_far, k)) - 1;
-        shells.push_back({positions[k] + wobble * f * noise, f * (1 - 2 * wobble)});
+        shells.push_back({t + wobble * f * noise, f * (1 - 2 * wobble)});
       }
       if (is_full && !e.wide_angle) is_full_[e.strand] = 1;
     }
   }
 
-  /// Equal steps in the measure ds / f, where f does not grow faster from the last tied spheres than it may anywhere:
-  /// their radii are those of other strands. `tied`: these radii, or 0.
-  [[nodiscard]] std::vector<double> middle(std::uint32_t index, double begin, double end,
-                                           std::array<double, 2> tied) const {
+  [[nodiscard]] std::vector<Shell> given_places(const Strand<D>& strand) const {
+    std::vector<Shell> places;
+    for (const double t : strand.positions()) places.push_back({t, -1});
+    for (std::size_t k = 0; k < strand.kept.size(); ++k) places.push_back({strand.kept[k], -1, static_cast<int>(k)});
+    std::ranges::sort(places, {}, &Shell::position);
+    return places;
+  }
+
+  /// The kept centers of a strand between its shells, and new ones. `tied`: the radii of the last tied spheres, or 0.
+  [[nodiscard]] std::vector<Shell> middle(std::uint32_t index, const std::array<std::vector<Shell>, 2>& shells,
+                                          double begin, double end, std::array<double, 2> tied) const {
+    const Strand<D>& strand = strands_[index];
+    std::vector<std::uint8_t> is_placed(strand.kept.size(), 0);
+    for (const auto& side : shells)
+      for (const Shell& s : side)
+        if (s.kept >= 0) is_placed[static_cast<std::size_t>(s.kept)] = 1;
+    std::vector<Shell> places;
+    for (std::size_t k = 0; k < strand.kept.size(); ++k) {
+      if (is_placed[k] != 0) continue;
+      add_steps(index, begin, strand.kept[k], {tied[0], 0}, places);
+      tied[0] = 0;
+      places.push_back({strand.kept[k], -1, static_cast<int>(k)});
+      begin = strand.kept[k];
+    }
+    add_steps(index, begin, end, tied, places);
+    return places;
+  }
+
+  /// Equal steps in the measure ds / f, where f does not grow faster from tied spheres at the ends than it may anywhere:
+  /// their radii are those of other strands.
+  void add_steps(std::uint32_t index, double begin, double end, std::array<double, 2> tied,
+                 std::vector<Shell>& places) const {
     const Strand<D>& strand = strands_[index];
     const double b = spacing_.lipschitz();
     const auto half = [&](const Vec<1>& x) {
@@ -168,22 +268,25 @@ class StrandPacker {
       positions.clear();
       for (double i = 1; i < least_parts; ++i) positions.push_back((end - begin) * i / least_parts);
     }
-    for (std::size_t k = 0; k < positions.size(); ++k) {
-      double& t = positions[k];
+    for (double t : positions) {
       t += begin;
       if (strand.jitter > 0)
-        t += strand.jitter * spacing_(strand.at(t)) * (2 * to_unit(hash_words(seed_, index, k)) - 1);
+        t += strand.jitter * spacing_(strand.at(t)) * (2 * to_unit(hash_words(seed_, index, places.size())) - 1);
+      places.push_back({t, -1});
     }
-    return positions;
   }
 
-  /// `radii`: negative or absent where f applies.
-  [[nodiscard]] PackedStrand with_radii(std::uint32_t index, std::vector<double> positions, std::vector<double> radii,
-                                        std::array<double, 2> tied) const {
-    radii.resize(positions.size(), -1);
-    for (std::size_t i = 0; i < positions.size(); ++i)
-      if (radii[i] < 0) radii[i] = spacing_(strands_[index].at(positions[i]));
-    return {std::move(positions), std::move(radii), tied[0], tied[1]};
+  [[nodiscard]] PackedStrand packed(std::uint32_t index, const std::vector<Shell>& places,
+                                    std::array<double, 2> tied) const {
+    PackedStrand result;
+    for (const Shell& s : places) {
+      result.position.push_back(s.position);
+      result.radius.push_back(s.radius < 0 ? spacing_(strands_[index].at(s.position)) : s.radius);
+      result.kept.push_back(s.kept);
+    }
+    result.tied_begin = tied[0];
+    result.tied_end = tied[1];
+    return result;
   }
 
   const std::vector<Strand<D>>& strands_;

@@ -23,6 +23,7 @@ struct Strand {
   double jitter = 0;      ///< Untied centers move at random by this much, relative to f.
   /// Positions that an untied strand shall have instead of equal steps. Empty: equal steps.
   std::function<std::vector<double>()> positions;
+  std::vector<double> kept;  ///< Positions of centers that are there already, ascending, inside. All of them stay.
 };
 
 /// One end of a strand.
@@ -46,6 +47,7 @@ struct Tie {
 struct PackedStrand {
   std::vector<double> position;  ///< Arc length, ascending.
   std::vector<double> radius;    ///< At most f there; less where the other strands of a tie have less.
+  std::vector<int> kept;         ///< Index into Strand::kept, or -1 for a new center.
   double tied_begin = 0;         ///< Up to here the positions are common to a tie at the near end.
   double tied_end = 0;           ///< The same from the far end.
 };

@@ -10,15 +10,6 @@ namespace voropack {
 
 namespace {
 
-/// Mean edge length divided by f far from features, measured on uniform packings of the unit cube and square
-/// (docs/theory/packing.md).
-template <int D>
-double edge_per_spacing(const PackingOptions& options) {
-  if (options.form != PackingForm::kVoronoi) return D == 3 ? 2.755 : 2.71;
-  if (options.interior == Interior::kRandom) return D == 3 ? 2.71 : 2.67;
-  return D == 3 ? 3.307 : 3.464;
-}
-
 /// Runs a stage and notes how long it took.
 class Stopwatch {
  public:

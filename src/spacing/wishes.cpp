@@ -140,6 +140,7 @@ double add_wishes(const Domain<D>& domain, const SizeWishes<D>& wishes, const Sp
   add_region_wishes(domain, wishes, edge_per_spacing, atoms);
   add_marker_wishes(domain, wishes, edge_per_spacing, polytopes, atoms);
   if (wishes.field) add_field<D>(*wishes.field, edge_per_spacing, atoms);
+  if (wishes.spacing_field) add_field<D>(*wishes.spacing_field, 1, atoms);
   if (wishes.expression) add_expression(*wishes.expression, edge_per_spacing, domain, locator, atoms, observer);
   return everywhere;
 }

@@ -1,0 +1,60 @@
+// From a mesh to a finer one that keeps its vertices: algorithm PACKING of [Miller1996], section 3, begun with the
+// spheres that are there.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "voropack/index.h"
+#include "voropack/mesh.h"
+#include "voropack/mesh_domain.h"
+#include "voropack/observer.h"
+#include "voropack/packing.h"
+#include "voropack/spacing.h"
+
+namespace voropack {
+
+/// f of a mesh at its vertices: `vertex_spacing`, or where that is absent half the distance to the nearest neighbor,
+/// made Lipschitz along the edges. O(n).
+template <int D>
+IdVector<VertexId, double> spacing_at_vertices(const Mesh<D>& mesh, double lipschitz);
+
+/// The spacing function that is `factor` times that of a mesh, linear between its vertices and made Lipschitz, but not
+/// above what `wishes` and the domain's features ask for. `wishes.field` may be used beside it.
+///
+/// Throws: as `build_spacing`; OptionError refine.bad_factor if the factor is not in (0, 1].
+template <int D>
+Spacing<D> refined_spacing(const Mesh<D>& mesh, const Domain<D>& domain, double factor, const SizeWishes<D>& wishes,
+                           const SpacingOptions& options = {}, Observer& observer = silent_observer());
+
+struct RefinementOptions {
+  PackingOptions packing;
+  /// True: every vertex stays. False: those that fit the new spacing stay, where it is larger than before.
+  bool keep_all = true;
+};
+
+template <int D>
+struct RefinedMesh {
+  Mesh<D> mesh;  ///< With f in `vertex_spacing`.
+  /// [n_vertices] the same vertex in the mesh before, to the bit in the same place; none() if it is new.
+  IdVector<VertexId, VertexId> old_vertex;
+  std::size_t n_kept = 0, n_added = 0, n_removed = 0;
+  std::vector<SpacingCap<D>> repairs;  ///< Where f was shrunk because a protecting ball was not empty.
+  int repair_rounds = 0;
+  double triangulation_s = 0;  ///< As in Packing.
+};
+
+/// Refines a boundary-conforming Delaunay mesh: its vertices stay, lower polytopes are completed before higher ones,
+/// and the result is a boundary-conforming Delaunay mesh of the same domain.
+///
+/// `place` is where the mesh is in its domain, as `domain_of` finds out. Empty protecting balls stay empty of old
+/// vertices: a finer simplex on a polytope has its ball within the balls of the coarser ones
+/// (docs/theory/refinement.md). Throws: OptionError refine.spacing_grows if all vertices are to stay and the new
+/// spacing is larger than the old one
+///         at one of them.
+///         as `pack`.
+template <int D>
+RefinedMesh<D> refine(const Mesh<D>& mesh, const MeshDomain<D>& place, const Spacing<D>& spacing,
+                      const RefinementOptions& options = {}, Observer& observer = silent_observer());
+
+}  // namespace voropack

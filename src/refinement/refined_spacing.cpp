@@ -1,0 +1,58 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "base/parallel.h"
+#include "coarsening/fine_mesh.h"
+#include "voropack/error.h"
+#include "voropack/refinement.h"
+
+namespace voropack {
+
+template <int D>
+IdVector<VertexId, double> spacing_at_vertices(const Mesh<D>& mesh, double lipschitz) {
+  if (!mesh.vertex_spacing.empty()) return mesh.vertex_spacing;
+  const Csr<VertexId, VertexId> neighbors = vertex_neighbors(mesh);
+  IdVector<VertexId, double> f(mesh.points.size());
+  parallel_for(mesh.points.size(), [&](std::size_t i) {
+    const VertexId v(i);
+    double nearest_sq = std::numeric_limits<double>::infinity();
+    for (const VertexId w : neighbors[v])
+      nearest_sq = std::min(nearest_sq, distance_sq(mesh.points[v], mesh.points[w]));
+    f[v] = 0.5 * std::sqrt(nearest_sq);
+  });
+  make_lipschitz(mesh, neighbors, lipschitz, f);
+  return f;
+}
+
+template <int D>
+Spacing<D> refined_spacing(const Mesh<D>& mesh, const Domain<D>& domain, double factor, const SizeWishes<D>& wishes,
+                           const SpacingOptions& options, Observer& observer) {
+  if (!(factor > 0 && factor <= 1))
+    throw OptionError(Fault{.id = "refine.bad_factor",
+                            .message = fmt::format("the factor of the spacing is {}", factor),
+                            .fix = "give a number greater than 0 and at most 1"});
+  const IdVector<VertexId, double> f = spacing_at_vertices(mesh, options.gradation);
+  const double largest = *std::max_element(f.begin(), f.end());
+  SizeWishes<D> all = wishes;
+  all.spacing = std::min(factor * largest, wishes.spacing.value_or(std::numeric_limits<double>::infinity()));
+  // Where f is at its largest, that constant says it all, and constants are what lattices can be laid into.
+  typename SizeWishes<D>::Field field;
+  field.mesh.points = mesh.points;
+  for (const VertexId v : ids(f)) field.size.push_back(factor * f[v]);
+  for (const auto& corners : mesh.simplex_vertices)
+    if (std::ranges::any_of(corners, [&](VertexId v) { return f[v] < largest; }))
+      field.mesh.simplex_vertices.push_back(corners);
+  if (!field.mesh.simplex_vertices.empty()) all.spacing_field = std::move(field);
+  return build_spacing(domain, all, options, observer);
+}
+
+template IdVector<VertexId, double> spacing_at_vertices(const Mesh<2>&, double);
+template IdVector<VertexId, double> spacing_at_vertices(const Mesh<3>&, double);
+template Spacing<2> refined_spacing(const Mesh<2>&, const Domain<2>&, double, const SizeWishes<2>&,
+                                    const SpacingOptions&, Observer&);
+template Spacing<3> refined_spacing(const Mesh<3>&, const Domain<3>&, double, const SizeWishes<3>&,
+                                    const SpacingOptions&, Observer&);
+
+}  // namespace voropack

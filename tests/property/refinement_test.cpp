@@ -1,0 +1,219 @@
+// Refinement: old vertices stay to the bit, and what comes out is certified as a new mesh is.
+#include "voropack/refinement.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "support/allow_threads.h"
+#include "support/cases.h"
+#include "support/faults.h"
+#include "support/sharp_domains.h"
+#include "voropack/coarsening.h"
+
+namespace voropack {
+namespace {
+
+template <int D>
+struct Refined {
+  MeshDomain<D> place;
+  Spacing<D> spacing;
+  RefinedMesh<D> result;
+};
+
+template <int D>
+Refined<D> refine_by(const Mesh<D>& mesh, double factor, const SizeWishes<D>& wishes = {},
+                     const RefinementOptions& options = {}) {
+  MeshDomain<D> place = domain_of(mesh);
+  Spacing<D> spacing = refined_spacing(mesh, place.domain, factor, wishes);
+  RefinedMesh<D> result = refine(mesh, place, spacing, options);
+  return {std::move(place), std::move(spacing), std::move(result)};
+}
+
+template <int D>
+Certificate certificate_of(const Refined<D>& refined, const PackingOptions& packing = {}) {
+  const Spacing<D> f = refined.spacing.with_caps(refined.result.repairs);
+  CertificateOptions claims;
+  claims.gradation = f.lipschitz();
+  claims.form = packing.form;
+  claims.epsilon = packing.epsilon;
+  claims.spacing = [&f](std::span<const double> x) {
+    Vec<D> p;
+    std::copy(x.begin(), x.end(), p.coord.begin());
+    return f(p);
+  };
+  const Mesh<D>& mesh = refined.result.mesh;
+  return certify(mesh, build_control_volumes(mesh), &refined.place.domain, claims);
+}
+
+template <int D>
+void expect_certified(const Refined<D>& refined, const PackingOptions& packing = {}) {
+  for (const Certificate::Check& check : certificate_of(refined, packing).checks)
+    EXPECT_TRUE(check.ok) << check.name << ": " << check.violations << " of " << check.tested << ", " << check.where;
+}
+
+template <int D>
+void expect_all_kept(const Mesh<D>& old, const RefinedMesh<D>& refined) {
+  std::vector<std::uint8_t> is_found(old.points.size(), 0);
+  for (const VertexId v : ids(refined.mesh.points))
+    if (const VertexId before = refined.old_vertex[v]; !before.is_none()) {
+      EXPECT_EQ(refined.mesh.points[v], old.points[before]);
+      EXPECT_EQ(refined.mesh.vertex_marker[v], old.vertex_marker[before]);
+      EXPECT_EQ(refined.mesh.vertex_carrier_dimension[v], old.vertex_carrier_dimension[before]);
+      is_found[before.value()] = 1;
+    }
+  EXPECT_EQ(std::ranges::count(is_found, 1), static_cast<std::ptrdiff_t>(old.points.size()));
+  EXPECT_EQ(refined.n_kept, old.points.size());
+  EXPECT_EQ(refined.n_removed, 0U);
+  EXPECT_EQ(refined.n_kept + refined.n_added, refined.mesh.points.size());
+}
+
+template <int D>
+double largest_radius_edge(const Mesh<D>& mesh) {
+  return measure_quality(mesh, build_control_volumes(mesh)).radius_edge.max;
+}
+
+template <class Dimension>
+class Refinement : public testing::Test {};
+template <int D>
+struct Dimension {
+  static constexpr int value = D;
+};
+using Dimensions = testing::Types<Dimension<2>, Dimension<3>>;
+TYPED_TEST_SUITE(Refinement, Dimensions);
+
+TYPED_TEST(Refinement, KeepsAllVerticesOfEveryDomain) {
+  constexpr int D = TypeParam::value;
+  for (const test::Case<D>& c : test::all_cases<D>()) {
+    SCOPED_TRACE(c.name);
+    const Mesh<D> mesh = make_mesh(c.input).mesh;
+    const Refined<D> refined = refine_by(mesh, 0.5);
+    expect_all_kept(mesh, refined.result);
+    expect_certified(refined);
+    EXPECT_EQ(refined.place.domain.segments.size(), build_domain(c.input).segments.size());
+  }
+}
+
+TYPED_TEST(Refinement, HalvesTheSpacingAtEveryVertex) {
+  constexpr int D = TypeParam::value;
+  MeshingOptions<D> options;
+  options.wishes.expression = D == 2 ? "0.05 + 0.2 * x" : "0.15 + 0.2 * x";
+  const Mesh<D> mesh = make_mesh(domains::unit_box<D>(), options).mesh;
+  const Refined<D> refined = refine_by(mesh, 0.5);
+  expect_all_kept(mesh, refined.result);
+  expect_certified(refined);
+  for (const VertexId v : ids(refined.result.mesh.points))
+    if (const VertexId before = refined.result.old_vertex[v]; !before.is_none()) {
+      const double old = mesh.vertex_spacing[before];
+      EXPECT_NEAR(refined.result.mesh.vertex_spacing[v], old / 2, 1e-12 * old);
+    }
+}
+
+TYPED_TEST(Refinement, StaysAsWellShapedOverLevels) {
+  constexpr int D = TypeParam::value;
+  MeshingOptions<D> options;
+  options.wishes.size = D == 2 ? 0.2 : 0.4;
+  Mesh<D> mesh = make_mesh(domains::unit_box<D>(), options).mesh;
+  for (int level = 0; level < (D == 2 ? 5 : 3); ++level) {
+    SCOPED_TRACE(level);
+    Refined<D> refined = refine_by(mesh, 0.5);
+    expect_all_kept(mesh, refined.result);
+    expect_certified(refined);
+    options.wishes.size = *options.wishes.size / 2;
+    const Mesh<D> scratch = make_mesh(domains::unit_box<D>(), options).mesh;
+    EXPECT_LT(largest_radius_edge(refined.result.mesh), 1.1 * largest_radius_edge(scratch));
+    mesh = std::move(refined.result.mesh);
+  }
+}
+
+TYPED_TEST(Refinement, IsTheSameForAnyNumberOfThreads) {
+  constexpr int D = TypeParam::value;
+  MeshingOptions<D> options;
+  options.wishes.size = 0.3;
+  const Mesh<D> mesh = make_mesh(domains::two_material_box<D>(), options).mesh;
+  const auto with_threads = [&](std::size_t n) {
+    const test::AllowThreads threads(n);
+    return refine_by(mesh, 0.5).result.mesh;
+  };
+  EXPECT_EQ(with_threads(1), with_threads(8));
+}
+
+TYPED_TEST(Refinement, FillsInEveryForm) {
+  constexpr int D = TypeParam::value;
+  for (const test::Filling& filling : test::all_fillings()) {
+    SCOPED_TRACE(filling.name);
+    const MeshingOptions<D> options = test::meshing_options<D>(filling, 0.4);
+    const Mesh<D> mesh = make_mesh(domains::l_shape<D>(), options).mesh;
+    const Refined<D> refined = refine_by(mesh, 0.5, {}, {.packing = options.packing});
+    expect_all_kept(mesh, refined.result);
+    expect_certified(refined, options.packing);
+  }
+}
+
+TYPED_TEST(Refinement, RefinesWhereASizeIsWished) {
+  constexpr int D = TypeParam::value;
+  MeshingOptions<D> options;
+  options.wishes.size = 0.2;
+  const Mesh<D> mesh = make_mesh(domains::two_material_box<D>(), options).mesh;
+  SizeWishes<D> wishes;
+  wishes.region_size[mesh.simplex_region[SimplexId(0)]] = 0.1;
+  const Refined<D> refined = refine_by(mesh, 1, wishes);
+  expect_all_kept(mesh, refined.result);
+  expect_certified(refined);
+  EXPECT_GT(refined.result.n_added, mesh.points.size() / 2);
+}
+
+TYPED_TEST(Refinement, LetsVerticesGoWhereTheSpacingGrows) {
+  constexpr int D = TypeParam::value;
+  MeshingOptions<D> options;
+  options.wishes.size = D == 2 ? 0.05 : 0.15;
+  const Mesh<D> mesh = make_mesh(domains::unit_box<D>(), options).mesh;
+  const MeshDomain<D> place = domain_of(mesh);
+  SizeWishes<D> wishes;
+  wishes.expression = D == 2 ? "0.03 + 0.2 * x" : "0.12 + 0.3 * x";
+  const Spacing<D> spacing = build_spacing(place.domain, wishes);
+  EXPECT_EQ(test::fault_of<OptionError>([&] { refine(mesh, place, spacing); }).id, "refine.spacing_grows");
+  const Refined<D> refined{place, spacing, refine(mesh, place, spacing, {.packing = {}, .keep_all = false})};
+  expect_certified(refined);
+  EXPECT_GT(refined.result.n_kept, 0U);
+  EXPECT_GT(refined.result.n_added, 0U);
+  EXPECT_GT(refined.result.n_removed, 0U);
+  EXPECT_EQ(refined.result.n_kept + refined.result.n_removed, mesh.points.size());
+}
+
+TYPED_TEST(Refinement, ComposesWithCoarsening) {
+  constexpr int D = TypeParam::value;
+  MeshingOptions<D> options;
+  options.wishes.size = D == 2 ? 0.05 : 0.2;
+  const Mesh<D> mesh = make_mesh(domains::l_shape<D>(), options).mesh;
+  CoarseningOptions coarsening;
+  coarsening.levels = 1;
+  const Mesh<D> coarse = coarsen(mesh, coarsening).levels.at(0).mesh;
+  const Refined<D> refined = refine_by(coarse, 0.5);
+  expect_all_kept(coarse, refined.result);
+  expect_certified(refined);
+  const auto again = coarsen(refined.result.mesh, coarsening);
+  EXPECT_FALSE(again.levels.empty());
+}
+
+TEST(RefinementAtSharpFeatures, KeepsAllVertices) {
+  for (const double degrees : {5.0, 20.0, 45.0}) {
+    SCOPED_TRACE(degrees);
+    const Mesh<3> mesh = make_mesh(test::sharp::wedge(degrees).input).mesh;
+    const Refined<3> refined = refine_by(mesh, 0.5);
+    expect_all_kept(mesh, refined.result);
+    expect_certified(refined);
+  }
+}
+
+TEST(RefinementAtSharpFeatures, KeepsAllVerticesOfFansInThePlane) {
+  const Mesh<2> mesh = make_mesh(test::sharp::fan(7, 3.0).input).mesh;
+  const Refined<2> refined = refine_by(mesh, 0.5);
+  expect_all_kept(mesh, refined.result);
+  expect_certified(refined);
+}
+
+}  // namespace
+}  // namespace voropack
