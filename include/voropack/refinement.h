@@ -14,8 +14,8 @@
 
 namespace voropack {
 
-/// f of a mesh at its vertices: `vertex_spacing`, or where that is absent half the distance to the nearest neighbor,
-/// made Lipschitz along the edges. O(n).
+/// f of a mesh at its vertices: `vertex_spacing`, or if that is absent half the distance to the nearest neighbor; made
+/// Lipschitz along the edges. O(n).
 template <int D>
 IdVector<VertexId, double> spacing_at_vertices(const Mesh<D>& mesh, double lipschitz);
 

@@ -12,16 +12,18 @@ namespace voropack {
 
 template <int D>
 IdVector<VertexId, double> spacing_at_vertices(const Mesh<D>& mesh, double lipschitz) {
-  if (!mesh.vertex_spacing.empty()) return mesh.vertex_spacing;
   const Csr<VertexId, VertexId> neighbors = vertex_neighbors(mesh);
-  IdVector<VertexId, double> f(mesh.points.size());
-  parallel_for(mesh.points.size(), [&](std::size_t i) {
-    const VertexId v(i);
-    double nearest_sq = std::numeric_limits<double>::infinity();
-    for (const VertexId w : neighbors[v])
-      nearest_sq = std::min(nearest_sq, distance_sq(mesh.points[v], mesh.points[w]));
-    f[v] = 0.5 * std::sqrt(nearest_sq);
-  });
+  IdVector<VertexId, double> f = mesh.vertex_spacing;
+  if (f.empty()) {
+    f.resize(mesh.points.size());
+    parallel_for(mesh.points.size(), [&](std::size_t i) {
+      const VertexId v(i);
+      double nearest_sq = std::numeric_limits<double>::infinity();
+      for (const VertexId w : neighbors[v])
+        nearest_sq = std::min(nearest_sq, distance_sq(mesh.points[v], mesh.points[w]));
+      f[v] = 0.5 * std::sqrt(nearest_sq);
+    });
+  }
   make_lipschitz(mesh, neighbors, lipschitz, f);
   return f;
 }

@@ -1,11 +1,43 @@
 #include "spacing/size_atoms.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "spacing/affine_envelope.h"
 
 namespace voropack {
+
+namespace {
+
+/// Points are inside of a simplex down to this barycentric coordinate: no gaps between neighbors.
+constexpr double kInsideSlack = 1e-9;
+/// Values at corners may differ by so much more than is Lipschitz: rounding.
+constexpr double kLipschitzSlack = 1e-9;
+
+/// Rows of the inverse of the matrix of the edges. False if there is none.
+bool find_hat_gradients(const std::array<Vec<2>, 2>& e, std::array<Vec<2>, 2>& rows) {
+  const double det = cross(e[0], e[1]);
+  rows = {Vec<2>{e[1][1], -e[1][0]} / det, Vec<2>{-e[0][1], e[0][0]} / det};
+  return std::isfinite(norm(rows[0]) + norm(rows[1]));
+}
+bool find_hat_gradients(const std::array<Vec<3>, 3>& e, std::array<Vec<3>, 3>& rows) {
+  const double det = dot(e[0], cross(e[1], e[2]));
+  rows = {cross(e[1], e[2]) / det, cross(e[2], e[0]) / det, cross(e[0], e[1]) / det};
+  return std::isfinite(norm(rows[0]) + norm(rows[1]) + norm(rows[2]));
+}
+
+template <int D>
+bool is_lipschitz(const FieldSimplex<D>& s, double slope) {
+  for (std::size_t i = 0; i <= D; ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (std::abs(s.value[i] - s.value[j]) > slope * (1 + kLipschitzSlack) * distance(s.corner[i], s.corner[j]))
+        return false;
+  return true;
+}
+
+}  // namespace
 
 template <int D>
 void SizeAtoms<D>::add_polytope(double value, std::uint32_t polytope) {
@@ -29,7 +61,16 @@ template <int D>
 void SizeAtoms<D>::add_simplex(const FieldSimplex<D>& simplex) {
   const double least = *std::min_element(simplex.value.begin(), simplex.value.end());
   atoms_.push_back({least, SizeAtom::Kind::kSimplex, static_cast<std::uint32_t>(simplices_.size())});
-  simplices_.push_back(simplex);
+  AffineSimplex<D> affine{simplex};
+  std::array<Vec<D>, D> edges;
+  for (std::size_t i = 0; i < D; ++i) edges[i] = simplex.corner[i + 1] - simplex.corner[0];
+  if (find_hat_gradients(edges, affine.hat_gradient)) {
+    for (std::size_t i = 0; i < D; ++i)
+      affine.gradient += (simplex.value[i + 1] - simplex.value[0]) * affine.hat_gradient[i];
+    affine.is_gentle = norm(affine.gradient) <= slope_;
+    affine.is_local = is_lipschitz(simplex, slope_);
+  }
+  simplices_.push_back(affine);
 }
 
 template <int D>
@@ -76,6 +117,35 @@ double SizeAtoms<D>::at(std::uint32_t i, const Vec<D>& x) const {
     default:
       return affine_envelope<D>(simplices_[atom.index].corner, simplices_[atom.index].value, slope_, x);
   }
+}
+
+template <int D>
+std::optional<double> SizeAtoms<D>::inside(std::uint32_t i, const Vec<D>& x) const {
+  const AffineSimplex<D>& s = simplices_[atoms_[i].index];
+  const Vec<D> to = x - s.corner[0];
+  double first = 1;
+  for (const Vec<D>& g : s.hat_gradient) {
+    const double lambda = dot(g, to);
+    if (lambda < -kInsideSlack) return std::nullopt;
+    first -= lambda;
+  }
+  if (first < -kInsideSlack) return std::nullopt;
+  return s.is_gentle ? std::max(s.value[0] + dot(s.gradient, to), atoms_[i].value) : at(i, x);
+}
+
+template <int D>
+Interval SizeAtoms<D>::bounds(std::uint32_t i, const Vec<D>& x) const {
+  if (!is_local(i)) {
+    const double value = at(i, x);
+    return {value, value};
+  }
+  const AffineSimplex<D>& s = simplices_[atoms_[i].index];
+  Interval value = {atoms_[i].value + slope_ * std::sqrt(atom_box(i).distance_sq(x)),
+                    std::numeric_limits<double>::infinity()};
+  // The value at y in the simplex is that of the affine function at x, and at most |gradient| |x - y| less.
+  if (s.is_gentle) value.lo = std::max(value.lo, s.value[0] + dot(s.gradient, x - s.corner[0]));
+  for (std::size_t k = 0; k <= D; ++k) value.hi = std::min(value.hi, s.value[k] + slope_ * distance(x, s.corner[k]));
+  return value;
 }
 
 template <int D>

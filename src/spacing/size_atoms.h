@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -34,11 +35,24 @@ struct FieldSimplex {
   std::array<double, D + 1> value;
 };
 
+/// The same with its affine function.
+template <int D>
+struct AffineSimplex : FieldSimplex<D> {
+  std::array<Vec<D>, D> hat_gradient{};  ///< Of the hat functions of corners 1 .. D.
+  Vec<D> gradient{};
+  bool is_gentle = false;  ///< The affine function is Lipschitz.
+  bool is_local = false;   ///< Its corner values are, pairwise.
+};
+
 /// A value that holds throughout a region's closure. Its continuation outside is one atom for each wall item.
 struct RegionValue {
   double value;
   RegionId region;
   friend auto operator<=>(const RegionValue&, const RegionValue&) = default;
+};
+
+struct Interval {
+  double lo, hi;
 };
 
 /// Refers to `polytopes` and `locator`, which must outlive it. Fill, then `finish`.
@@ -52,6 +66,8 @@ class SizeAtoms {
   void add_polytope(double value, std::uint32_t polytope);
   void add_region(double value, RegionId region);
   void add_box(double value, const Box<D>& box);
+  /// Where the values at the corners of a simplex are Lipschitz, the field is taken to be so by itself around it: then
+  /// the simplex is *local*, and matters at its own points only.
   void add_simplex(const FieldSimplex<D>& simplex);
   /// Drops repetitions and builds the search tree.
   void finish();
@@ -61,6 +77,13 @@ class SizeAtoms {
   [[nodiscard]] const SizeAtom& atom(std::uint32_t i) const { return atoms_[i]; }
   [[nodiscard]] Box<D> atom_box(std::uint32_t i) const;
   [[nodiscard]] double at(std::uint32_t i, const Vec<D>& x) const;
+  [[nodiscard]] bool is_local(std::uint32_t i) const {
+    return atoms_[i].kind == SizeAtom::Kind::kSimplex && simplices_[atoms_[i].index].is_local;
+  }
+  /// The value at a point of a local atom; nothing if x is outside of it.
+  [[nodiscard]] std::optional<double> inside(std::uint32_t i, const Vec<D>& x) const;
+  /// What `at` is between. Of local atoms, for less than `at` costs; of others exact.
+  [[nodiscard]] Interval bounds(std::uint32_t i, const Vec<D>& x) const;
   /// By value, the least first.
   [[nodiscard]] const std::vector<RegionValue>& regions() const { return regions_; }
   [[nodiscard]] const RegionLocator<D>& locator() const { return *locator_; }
@@ -73,7 +96,7 @@ class SizeAtoms {
   double slope_;
   std::vector<SizeAtom> atoms_;
   std::vector<Box<D>> boxes_;
-  std::vector<FieldSimplex<D>> simplices_;
+  std::vector<AffineSimplex<D>> simplices_;
   std::vector<RegionValue> regions_;
   BoxTree<D> tree_;
 };

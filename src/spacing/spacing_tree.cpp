@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace voropack {
 
@@ -74,11 +75,27 @@ double SpacingTree<D>::pairs_minimum(const Leaf& leaf, const Vec<D>& x, double f
 
 template <int D>
 double SpacingTree<D>::atoms_minimum(const Leaf& leaf, const Vec<D>& x, double from_center, double best) const {
-  const double slack = sources_->sizes.slope() * from_center * (1 + kBoundSlack);
-  const Atom* atom = &atoms_[leaf.first_atom];
-  for (const Atom* end = atom + leaf.n_atoms; atom != end; ++atom) {
-    if (!(static_cast<double>(atom->at_center) - slack < best)) break;
-    best = std::min(best, sources_->sizes.at(atom->index, x));
+  const SizeAtoms<D>& sizes = sources_->sizes;
+  const double slack = sizes.slope() * from_center * (1 + kBoundSlack);
+  const std::span<const Atom> atoms(&atoms_[leaf.first_atom], leaf.n_atoms);
+  const auto matters = [&](const Atom& a) { return static_cast<double>(a.at_center) - slack < best; };
+  bool is_found = false, has_local = false;
+  for (const Atom& a : atoms) {
+    if (!matters(a)) break;
+    if (!sizes.is_local(a.index)) {
+      best = std::min(best, sizes.at(a.index, x));
+    } else if (!is_found) {
+      has_local = true;
+      const std::optional<double> value = sizes.inside(a.index, x);
+      is_found = value.has_value();
+      if (is_found) best = std::min(best, *value);
+    }
+  }
+  if (is_found || !has_local) return best;
+  // Outside of the field, it goes on as the Lipschitz condition allows.
+  for (const Atom& a : atoms) {
+    if (!matters(a)) break;
+    if (sizes.is_local(a.index) && sizes.bounds(a.index, x).lo < best) best = std::min(best, sizes.at(a.index, x));
   }
   return best;
 }

@@ -63,7 +63,7 @@ struct SpacingTree<D>::Builder {
   };
   struct WorkAtom {
     std::uint32_t index;
-    double at_center;
+    double at_center;  // A lower bound.
   };
   /// What can matter in a cell: a superset of what can be smallest there.
   struct Lists {
@@ -198,15 +198,22 @@ struct SpacingTree<D>::Builder {
     cell.is_split = depth < kLevels && wants_split(cell, h);
   }
 
-  /// Evaluates the parent's atoms and region values at m and keeps those that can be smallest in the cell. Returns an
+  /// Bounds the parent's atoms and region values at m and keeps those that can be smallest in the cell. Returns an
   /// upper bound of f in the cell.
   double filter_sizes(const Lists& parent, const Vec<D>& m, double h, Lists& lists, double& value) const {
-    const double b = sources.sizes.slope();
+    const SizeAtoms<D>& sizes = sources.sizes;
+    const double b = sizes.slope();
+    const auto meets = [&](const WorkAtom& a) {
+      return sizes.is_local(a.index) && sizes.atom_box(a.index).distance_sq(m) <= h * h;
+    };
+    // Where a cell meets local atoms, those that it does not meet say nothing about it.
+    const bool meets_local = std::any_of(parent.atoms.begin(), parent.atoms.end(), meets);
     double least = kInfinity;
     for (const WorkAtom& a : parent.atoms) {
-      const double at_center = sources.sizes.at(a.index, m);
-      least = std::min(least, at_center);
-      lists.atoms.push_back({a.index, at_center});
+      if (meets_local && sizes.is_local(a.index) && !meets(a)) continue;
+      const Interval at_center = sizes.bounds(a.index, m);
+      least = std::min(least, at_center.hi);
+      lists.atoms.push_back({a.index, at_center.lo});
     }
     double limit = std::min(lists.constant, least + b * h);
     for (const RegionValue& r : parent.regions) {
