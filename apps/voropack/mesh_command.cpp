@@ -100,7 +100,7 @@ ExitCode run_mesh(const MeshArguments& arguments, Session& session) {
   if (arguments.cells) staged.cells = session.outputs.stage(*arguments.cells);
   session.outputs.protect(arguments.domain);
   if (const std::optional<fs::path> points = points_beside(arguments.domain)) session.outputs.protect(*points);
-  if (arguments.wishes.size_field) session.outputs.protect(*arguments.wishes.size_field);
+  for (const fs::path& file : arguments.wishes.files()) session.outputs.protect(file);
 
   session.observer.begin_stage("read");
   StageTimes times;

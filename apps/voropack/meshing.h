@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command.h"
 #include "voropack/pipeline.h"
@@ -15,12 +16,18 @@ namespace voropack::app {
 struct MeshingWishes {
   std::optional<double> size, spacing;
   std::map<int, double> region_size, marker_size;
+  std::vector<SizedPlace> boxes, balls, lines;  ///< Two corners; center and radius; a file with one point in each line.
   std::optional<std::filesystem::path> size_field;
   std::optional<std::string> size_expression;
   double gradation = MeshingOptions<3>{}.gradation;
   double feature_factor = MeshingOptions<3>{}.feature_factor;
   DomainOptions merge;
   PackingOptions packing;
+
+  /// Whether anything is said about sizes.
+  [[nodiscard]] bool has_size() const;
+  /// The files that are read.
+  [[nodiscard]] std::vector<std::filesystem::path> files() const;
 };
 
 /// The options that say how large elements shall be.
@@ -28,7 +35,8 @@ void add_size_options(CLI::App& command, MeshingWishes& wishes);
 /// --packing, --epsilon, --interior, --max-vertices.
 void add_packing_options(CLI::App& command, PackingOptions& packing);
 
-/// Reads the size field, if there is one. Throws InputError cli.size_field, and as read_mesh.
+/// Reads the size field and lines, if there are any. Throws InputError cli.size_field, cli.line_file; OptionError
+/// cli.bad_place; and as read_mesh.
 template <int D>
 MeshingOptions<D> meshing_options(const MeshingWishes& wishes, const Session& session);
 

@@ -80,6 +80,34 @@ CLI::Validator size_of_id() {
           "", "size of id"};
 }
 
+CLI::Validator size_of_place() {
+  return {[](std::string& text) -> std::string {
+            const std::size_t equals = text.rfind('=');
+            if (equals == std::string::npos || equals == 0)
+              return fmt::format("must be PLACE=H, a place and an edge length, not '{}'", text);
+            const std::string fault = number_fault(text.substr(equals + 1), std::numeric_limits<double>::infinity());
+            return fault.empty() ? fault : "the size " + fault;
+          },
+          "", "size of place"};
+}
+
+SizedPlace sized_place(const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  return {text.substr(0, equals), parse_number(std::string_view(text).substr(equals + 1)).value()};
+}
+
+std::optional<std::vector<double>> number_list(std::string_view text) {
+  std::vector<double> numbers;
+  for (;;) {
+    const std::size_t comma = text.find(',');
+    const std::optional<double> number = parse_number(text.substr(0, comma));
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    numbers.push_back(*number);
+    if (comma == std::string_view::npos) return numbers;
+    text.remove_prefix(comma + 1);
+  }
+}
+
 CLI::Validator one_of(std::vector<std::string> names) {
   return {[names](std::string& text) -> std::string {
             if (std::find(names.begin(), names.end(), text) != names.end()) return {};

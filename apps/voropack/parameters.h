@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "terminal_observer.h"
@@ -50,6 +51,21 @@ CLI::Validator whole_number(std::uint64_t at_least, std::uint64_t at_most = std:
 
 /// ID=H with an integer ID and a positive H.
 CLI::Validator size_of_id();
+
+/// A size in a part of space that numbers or a file describe: PLACE=H.
+struct SizedPlace {
+  std::string place;
+  double size = 0;
+};
+
+/// PLACE=H with a positive H.
+CLI::Validator size_of_place();
+
+/// Parses what size_of_place() accepted.
+SizedPlace sized_place(const std::string& text);
+
+/// Numbers between commas; nothing if some part is none.
+std::optional<std::vector<double>> number_list(std::string_view text);
 
 /// One of `names`; else the message says which is nearest.
 CLI::Validator one_of(std::vector<std::string> names);

@@ -28,9 +28,7 @@ struct RefineArguments {
 
   /// One level if nothing else is wished.
   [[nodiscard]] int n_levels() const {
-    const bool has_wish = wishes.size || wishes.spacing || !wishes.region_size.empty() || !wishes.marker_size.empty() ||
-                          wishes.size_field || wishes.size_expression;
-    return levels.value_or(has_wish ? 0 : 1);
+    return levels.value_or(wishes.has_size() ? 0 : 1);
   }
 };
 
@@ -145,7 +143,7 @@ ExitCode run_refine(const RefineArguments& arguments, Session& session) {
   for (const fs::path& output : arguments.outputs) check_extension(output, kMeshExtensions);
   if (arguments.cells) check_extension(*arguments.cells, {".vtu"});
   session.outputs.protect(arguments.mesh);
-  if (arguments.wishes.size_field) session.outputs.protect(*arguments.wishes.size_field);
+  for (const fs::path& file : arguments.wishes.files()) session.outputs.protect(file);
   session.observer.begin_stage("read");
   StageTimes times;
   const AnyMesh mesh = timed(

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "voropack/coarsening.h"
 #include "voropack/index.h"
 #include "voropack/mesh.h"
 #include "voropack/mesh_domain.h"
@@ -19,9 +20,17 @@ namespace voropack {
 template <int D>
 IdVector<VertexId, double> spacing_at_vertices(const Mesh<D>& mesh, double lipschitz);
 
-/// The spacing function that is `factor` times that of a mesh, linear between its vertices and made Lipschitz, but not
-/// above what `wishes` and the domain's features ask for. `wishes.field` may be used beside it.
-///
+/// The spacing function with the values f at the vertices of a mesh of the domain, made Lipschitz, linear between them;
+/// but not above what `wishes` and the domain's features ask for. `wishes.field` may be used beside it, and
+/// `wishes.spacing_field` is ignored. Exact on convex domains; where the straight line between two points leaves the
+/// mesh, they may differ by more than is Lipschitz as far as linear interpolation does.
+/// Throws: as `build_spacing`.
+template <int D>
+Spacing<D> spacing_through(const Mesh<D>& mesh, const Domain<D>& domain, IdVector<VertexId, double> f,
+                           const SizeWishes<D>& wishes, const SpacingOptions& options = {},
+                           Observer& observer = silent_observer());
+
+/// `spacing_through` with `factor` times the spacing of the mesh.
 /// Throws: as `build_spacing`; OptionError refine.bad_factor if the factor is not in (0, 1].
 template <int D>
 Spacing<D> refined_spacing(const Mesh<D>& mesh, const Domain<D>& domain, double factor, const SizeWishes<D>& wishes,
@@ -56,5 +65,29 @@ struct RefinedMesh {
 template <int D>
 RefinedMesh<D> refine(const Mesh<D>& mesh, const MeshDomain<D>& place, const Spacing<D>& spacing,
                       const RefinementOptions& options = {}, Observer& observer = silent_observer());
+
+/// For each vertex of `to` the vertex of `from` in the same place to the bit, or none(). O(n).
+template <int D>
+IdVector<VertexId, VertexId> same_vertices(const Mesh<D>& from, const Mesh<D>& to);
+
+/// Meshes made by refining one after the other, the finest first, as a hierarchy for multigrid: all but the first are
+/// its levels, whose vertices have to be among those of the mesh before.
+/// Throws: InputError refine.not_nested, with the vertex.
+template <int D>
+CoarseningHierarchy<D> nested_hierarchy(const Domain<D>& domain, const std::vector<Mesh<D>>& meshes);
+
+struct TransferOptions {
+  /// Shifts the values of new vertices inside each region, so that the integral over its control volumes stays; where a
+  /// region has no new vertices, those of all vertices inside it.
+  bool conserve = false;
+};
+
+/// Values at the vertices of another mesh of the same domain: vertices that both have keep theirs, others interpolate
+/// linearly. A vertex outside of `from` takes the nearest simplex.
+/// Throws: InputError transfer.wrong_length.
+///         InputError transfer.not_conserved if a region has no vertex inside in which to put a difference.
+template <int D>
+IdVector<VertexId, double> transfer(const Mesh<D>& from, const IdVector<VertexId, double>& values, const Mesh<D>& to,
+                                    const TransferOptions& options = {});
 
 }  // namespace voropack

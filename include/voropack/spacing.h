@@ -43,12 +43,24 @@ struct SizeWishes {
     Mesh<D> mesh;
     std::vector<double> size;  ///< [mesh.points.size()]
   };
+  /// Within a distance of a polyline; with one point, in a ball.
+  struct Tube {
+    std::vector<Vec<D>> points;
+    double radius = 0;  ///< Length; 0: on the line itself.
+    double size = 0;
+  };
+  struct InBox {
+    Box<D> box;
+    double size = 0;
+  };
   std::optional<double> size;         ///< Everywhere.
   std::optional<double> spacing;      ///< Upper bound on f, everywhere.
   std::map<int, double> region_size;  ///< By region id; binds in the region's closure.
   std::map<int, double> marker_size;  ///< By marker of facets, segments or points; binds on them.
   std::optional<Field> field;
   std::optional<Field> spacing_field;     ///< The same for f itself.
+  std::vector<Tube> tubes;
+  std::vector<InBox> boxes;
   std::optional<std::string> expression;  ///< Edge length as a formula in x, y (and z).
 };
 

@@ -120,7 +120,8 @@ void append_row(const std::array<VertexId, D + 1>& corners, const Weights<D>& we
   for (std::size_t i = 0; i < n; ++i) out.push_back({row[i].column, row[i].value / sum});
 }
 
-/// `coarse_of`: for each vertex of the finer mesh the coarse vertex that it is, or none.
+}  // namespace
+
 template <int D>
 SparseMatrix barycentric_prolongation(const Mesh<D>& coarse, const Mesh<D>& fine,
                                       const std::vector<VertexId>& coarse_of) {
@@ -169,8 +170,6 @@ SparseMatrix barycentric_prolongation(const Mesh<D>& coarse, const Mesh<D>& fine
   return result;
 }
 
-}  // namespace
-
 template <int D>
 void link_level(const Mesh<D>& finest, const CoarseLevel<D>* finer, CoarseLevel<D>& level) {
   level.finer_vertex = level.finest_vertex;
@@ -185,6 +184,8 @@ void link_level(const Mesh<D>& finest, const CoarseLevel<D>* finer, CoarseLevel<
   level.prolongation = barycentric_prolongation(level.mesh, mesh, coarse_of);
 }
 
+template SparseMatrix barycentric_prolongation(const Mesh<2>&, const Mesh<2>&, const std::vector<VertexId>&);
+template SparseMatrix barycentric_prolongation(const Mesh<3>&, const Mesh<3>&, const std::vector<VertexId>&);
 template void link_level(const Mesh<2>&, const CoarseLevel<2>*, CoarseLevel<2>&);
 template void link_level(const Mesh<3>&, const CoarseLevel<3>*, CoarseLevel<3>&);
 

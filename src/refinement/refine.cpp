@@ -1,10 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <unordered_map>
 
 #include "base/parallel.h"
-#include "base/random.h"
 #include "geom/tolerance.h"
 #include "voropack/delaunay.h"
 #include "voropack/error.h"
@@ -43,29 +41,6 @@ KeptVertices<D> kept_vertices(const Mesh<D>& mesh, const MeshDomain<D>& place, b
   return kept;
 }
 
-template <int D>
-struct PositionHash {
-  std::size_t operator()(const Vec<D>& x) const noexcept {
-    std::uint64_t h = 0;
-    for (const double c : x.coord) h = hash_words(h, std::bit_cast<std::uint64_t>(c == 0 ? 0.0 : c));
-    return h;
-  }
-};
-
-/// A position belongs to one vertex only, and kept vertices do not move.
-template <int D>
-IdVector<VertexId, VertexId> match(const Mesh<D>& old, const Mesh<D>& refined) {
-  std::unordered_map<Vec<D>, VertexId, PositionHash<D>> at;
-  at.reserve(old.points.size());
-  for (const VertexId v : ids(old.points)) at.emplace(old.points[v], v);
-  IdVector<VertexId, VertexId> result(refined.points.size());
-  parallel_for(result.size(), [&](std::size_t i) {
-    const auto found = at.find(refined.points[VertexId(i)]);
-    if (found != at.end()) result[VertexId(i)] = found->second;
-  });
-  return result;
-}
-
 }  // namespace
 
 template <int D>
@@ -79,7 +54,7 @@ RefinedMesh<D> refine(const Mesh<D>& mesh, const MeshDomain<D>& place, const Spa
   result.repair_rounds = packing.repair_rounds;
   result.triangulation_s = packing.triangulation_s;
   result.mesh = triangulate(place.domain, std::move(packing), observer);
-  result.old_vertex = match(mesh, result.mesh);
+  result.old_vertex = same_vertices(mesh, result.mesh);
   result.n_kept =
       static_cast<std::size_t>(std::ranges::count_if(result.old_vertex, [](VertexId v) { return !v.is_none(); }));
   result.n_added = result.mesh.points.size() - result.n_kept;

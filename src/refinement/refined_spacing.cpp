@@ -29,29 +29,43 @@ IdVector<VertexId, double> spacing_at_vertices(const Mesh<D>& mesh, double lipsc
 }
 
 template <int D>
+Spacing<D> spacing_through(const Mesh<D>& mesh, const Domain<D>& domain, IdVector<VertexId, double> f,
+                           const SizeWishes<D>& wishes, const SpacingOptions& options, Observer& observer) {
+  make_lipschitz(mesh, vertex_neighbors(mesh), options.gradation, f);
+  const double largest = *std::max_element(f.begin(), f.end());
+  SizeWishes<D> all = wishes;
+  all.spacing = std::min(largest, wishes.spacing.value_or(std::numeric_limits<double>::infinity()));
+  // Where f is at its largest, that constant says it all, and constants are what lattices can be laid into.
+  typename SizeWishes<D>::Field field;
+  for (const auto& corners : mesh.simplex_vertices)
+    if (std::ranges::any_of(corners, [&](VertexId v) { return f[v] < largest; }))
+      field.mesh.simplex_vertices.push_back(corners);
+  if (!field.mesh.simplex_vertices.empty()) {
+    field.mesh.points = mesh.points;
+    field.size = std::move(f.raw());
+    all.spacing_field = std::move(field);
+  }
+  return build_spacing(domain, all, options, observer);
+}
+
+template <int D>
 Spacing<D> refined_spacing(const Mesh<D>& mesh, const Domain<D>& domain, double factor, const SizeWishes<D>& wishes,
                            const SpacingOptions& options, Observer& observer) {
   if (!(factor > 0 && factor <= 1))
     throw OptionError(Fault{.id = "refine.bad_factor",
                             .message = fmt::format("the factor of the spacing is {}", factor),
                             .fix = "give a number greater than 0 and at most 1"});
-  const IdVector<VertexId, double> f = spacing_at_vertices(mesh, options.gradation);
-  const double largest = *std::max_element(f.begin(), f.end());
-  SizeWishes<D> all = wishes;
-  all.spacing = std::min(factor * largest, wishes.spacing.value_or(std::numeric_limits<double>::infinity()));
-  // Where f is at its largest, that constant says it all, and constants are what lattices can be laid into.
-  typename SizeWishes<D>::Field field;
-  field.mesh.points = mesh.points;
-  for (const VertexId v : ids(f)) field.size.push_back(factor * f[v]);
-  for (const auto& corners : mesh.simplex_vertices)
-    if (std::ranges::any_of(corners, [&](VertexId v) { return f[v] < largest; }))
-      field.mesh.simplex_vertices.push_back(corners);
-  if (!field.mesh.simplex_vertices.empty()) all.spacing_field = std::move(field);
-  return build_spacing(domain, all, options, observer);
+  IdVector<VertexId, double> f = spacing_at_vertices(mesh, options.gradation);
+  for (double& value : f) value *= factor;
+  return spacing_through(mesh, domain, f, wishes, options, observer);
 }
 
 template IdVector<VertexId, double> spacing_at_vertices(const Mesh<2>&, double);
 template IdVector<VertexId, double> spacing_at_vertices(const Mesh<3>&, double);
+template Spacing<2> spacing_through(const Mesh<2>&, const Domain<2>&, IdVector<VertexId, double>, const SizeWishes<2>&,
+                                    const SpacingOptions&, Observer&);
+template Spacing<3> spacing_through(const Mesh<3>&, const Domain<3>&, IdVector<VertexId, double>, const SizeWishes<3>&,
+                                    const SpacingOptions&, Observer&);
 template Spacing<2> refined_spacing(const Mesh<2>&, const Domain<2>&, double, const SizeWishes<2>&,
                                     const SpacingOptions&, Observer&);
 template Spacing<3> refined_spacing(const Mesh<3>&, const Domain<3>&, double, const SizeWishes<3>&,

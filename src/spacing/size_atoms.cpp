@@ -5,6 +5,7 @@
 #include <limits>
 #include <tuple>
 
+#include "geom/polytope_distance.h"
 #include "spacing/affine_envelope.h"
 
 namespace voropack {
@@ -58,6 +59,12 @@ void SizeAtoms<D>::add_box(double value, const Box<D>& box) {
 }
 
 template <int D>
+void SizeAtoms<D>::add_tube(double value, const SegmentTube<D>& tube) {
+  atoms_.push_back({value, SizeAtom::Kind::kTube, static_cast<std::uint32_t>(tubes_.size())});
+  tubes_.push_back(tube);
+}
+
+template <int D>
 void SizeAtoms<D>::add_simplex(const FieldSimplex<D>& simplex) {
   const double least = *std::min_element(simplex.value.begin(), simplex.value.end());
   atoms_.push_back({least, SizeAtom::Kind::kSimplex, static_cast<std::uint32_t>(simplices_.size())});
@@ -98,6 +105,12 @@ Box<D> SizeAtoms<D>::atom_box(std::uint32_t i) const {
       return polytopes_->item(index).box();
     case SizeAtom::Kind::kBox:
       return boxes_[index];
+    case SizeAtom::Kind::kTube: {
+      Box<D> box(tubes_[index].a, tubes_[index].a);
+      box.add(tubes_[index].b);
+      box.inflate(tubes_[index].radius);
+      return box;
+    }
     default: {
       Box<D> box;
       for (const Vec<D>& corner : simplices_[index].corner) box.add(corner);
@@ -114,6 +127,10 @@ double SizeAtoms<D>::at(std::uint32_t i, const Vec<D>& x) const {
       return atom.value + slope_ * polytopes_->item_distance(atom.index, x);
     case SizeAtom::Kind::kBox:
       return atom.value + slope_ * std::sqrt(boxes_[atom.index].distance_sq(x));
+    case SizeAtom::Kind::kTube: {
+      const SegmentTube<D>& tube = tubes_[atom.index];
+      return atom.value + slope_ * std::max(0.0, distance_to_segment(x, tube.a, tube.b) - tube.radius);
+    }
     default:
       return affine_envelope<D>(simplices_[atom.index].corner, simplices_[atom.index].value, slope_, x);
   }

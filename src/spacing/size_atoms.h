@@ -21,11 +21,19 @@ struct SizeAtom {
   enum class Kind : std::uint8_t {
     kItem,     ///< Distance to item `index` of the polytopes.
     kBox,      ///< Distance to box `index`.
+    kTube,     ///< Distance to tube `index`.
     kSimplex,  ///< Envelope on simplex `index` of the size field.
   };
   double value;
   Kind kind;
   std::uint32_t index;
+};
+
+/// What is within a distance of a segment.
+template <int D>
+struct SegmentTube {
+  Vec<D> a, b;
+  double radius;
 };
 
 /// A simplex of the size field with values of f at its corners.
@@ -66,6 +74,7 @@ class SizeAtoms {
   void add_polytope(double value, std::uint32_t polytope);
   void add_region(double value, RegionId region);
   void add_box(double value, const Box<D>& box);
+  void add_tube(double value, const SegmentTube<D>& tube);
   /// Where the values at the corners of a simplex are Lipschitz, the field is taken to be so by itself around it: then
   /// the simplex is *local*, and matters at its own points only.
   void add_simplex(const FieldSimplex<D>& simplex);
@@ -96,6 +105,7 @@ class SizeAtoms {
   double slope_;
   std::vector<SizeAtom> atoms_;
   std::vector<Box<D>> boxes_;
+  std::vector<SegmentTube<D>> tubes_;
   std::vector<AffineSimplex<D>> simplices_;
   std::vector<RegionValue> regions_;
   BoxTree<D> tree_;

@@ -110,6 +110,23 @@ void add_field(const typename SizeWishes<D>::Field& field, double edge_per_spaci
   }
 }
 
+template <int D>
+void add_places(const SizeWishes<D>& wishes, double edge_per_spacing, SizeAtoms<D>& atoms) {
+  for (const auto& [points, radius, size] : wishes.tubes) {
+    check_size(size, "the size along a line");
+    if (!(std::isfinite(radius) && radius >= 0) || points.empty())
+      fail("spacing.bad_size", fmt::format("a line of {} points has the radius {}", points.size(), radius),
+           "give at least one point, and a radius of at least 0");
+    const std::size_t last = points.size() - 1;
+    for (std::size_t i = 0; i < std::max<std::size_t>(last, 1); ++i)
+      atoms.add_tube(size / edge_per_spacing, {points[i], points[std::min(i + 1, last)], radius});
+  }
+  for (const auto& [box, size] : wishes.boxes) {
+    check_size(size, "the size in a box");
+    atoms.add_box(size / edge_per_spacing, box);
+  }
+}
+
 }  // namespace
 
 void check_spacing_options(const SpacingOptions& options) {
@@ -139,6 +156,7 @@ double add_wishes(const Domain<D>& domain, const SizeWishes<D>& wishes, const Sp
   }
   add_region_wishes(domain, wishes, edge_per_spacing, atoms);
   add_marker_wishes(domain, wishes, edge_per_spacing, polytopes, atoms);
+  add_places(wishes, edge_per_spacing, atoms);
   if (wishes.field) add_field<D>(*wishes.field, edge_per_spacing, atoms);
   if (wishes.spacing_field) add_field<D>(*wishes.spacing_field, 1, atoms);
   if (wishes.expression) add_expression(*wishes.expression, edge_per_spacing, domain, locator, atoms, observer);

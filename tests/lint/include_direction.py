@@ -16,7 +16,7 @@ import tempfile
 # Public headers in the order of the data; each may include those before it.
 PUBLIC = ["index", "error", "expression", "vec", "observer", "mesh", "domain", "mesh_domain", "spacing", "packing",
           "delaunay", "dual", "boundary_areas", "cell_integrals", "io", "quality", "certificate", "pipeline",
-          "linear_system", "diffusion", "nonlinear", "transient", "multigrid", "fem", "norms", "coarsening"]
+          "linear_system", "diffusion", "nonlinear", "transient", "multigrid", "fem", "norms", "coarsening", "refinement"]
 BASICS = ["index", "error", "expression", "vec", "observer"]
 
 
@@ -50,6 +50,7 @@ FOLDERS = {
              "solve/conservation.h"]),
     "mesh_domain": (BASICS + ["mesh", "domain", "mesh_domain"], ["base", "geom", "mesh"]),
     "coarsening": (up_to("delaunay") + ["linear_system", "coarsening"], ["base", "geom", "mesh", "spheres", "packing"]),
+    "refinement": (up_to("refinement"), ["base", "geom", "mesh", "coarsening/fine_mesh.h", "coarsening/prolongation.h"]),
     "norms": (BASICS + ["mesh", "dual", "norms"], ["base", "geom", "mesh"]),
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <span>
 
 #include "support/allow_threads.h"
@@ -116,16 +117,18 @@ TYPED_TEST(Refinement, StaysAsWellShapedOverLevels) {
   MeshingOptions<D> options;
   options.wishes.size = D == 2 ? 0.2 : 0.4;
   Mesh<D> mesh = make_mesh(domains::unit_box<D>(), options).mesh;
+  double worst = 0, scratch = 0;
   for (int level = 0; level < (D == 2 ? 5 : 3); ++level) {
     SCOPED_TRACE(level);
     Refined<D> refined = refine_by(mesh, 0.5);
     expect_all_kept(mesh, refined.result);
     expect_certified(refined);
     options.wishes.size = *options.wishes.size / 2;
-    const Mesh<D> scratch = make_mesh(domains::unit_box<D>(), options).mesh;
-    EXPECT_LT(largest_radius_edge(refined.result.mesh), 1.1 * largest_radius_edge(scratch));
+    scratch = std::max(scratch, largest_radius_edge(make_mesh(domains::unit_box<D>(), options).mesh));
+    worst = std::max(worst, largest_radius_edge(refined.result.mesh));
     mesh = std::move(refined.result.mesh);
   }
+  EXPECT_LT(worst, 1.1 * scratch);
 }
 
 TYPED_TEST(Refinement, IsTheSameForAnyNumberOfThreads) {
@@ -165,6 +168,28 @@ TYPED_TEST(Refinement, RefinesWhereASizeIsWished) {
   EXPECT_GT(refined.result.n_added, mesh.points.size() / 2);
 }
 
+TYPED_TEST(Refinement, RefinesInPlaces) {
+  constexpr int D = TypeParam::value;
+  MeshingOptions<D> options;
+  options.wishes.size = 0.3;
+  const Mesh<D> mesh = make_mesh(domains::unit_box<D>(), options).mesh;
+  Vec<D> corner, center;
+  for (int k = 0; k < D; ++k) corner[k] = 1, center[k] = 0.5;
+  SizeWishes<D> wishes;
+  wishes.tubes.push_back({{center}, 0.1, 0.06});
+  wishes.tubes.push_back({{Vec<D>{}, center}, 0, 0.06});
+  wishes.boxes.push_back({Box<D>(0.9 * corner, corner), 0.06});
+  const Refined<D> refined = refine_by(mesh, 1, wishes);
+  expect_all_kept(mesh, refined.result);
+  expect_certified(refined);
+  const double f = 0.06 / SpacingOptions{}.edge_per_spacing;
+  for (const VertexId v : ids(refined.result.mesh.points)) {
+    const Vec<D>& x = refined.result.mesh.points[v];
+    const bool in_box = std::ranges::all_of(x.coord, [](double c) { return c >= 0.9; });
+    if (in_box || distance(x, center) <= 0.1) EXPECT_LE(refined.result.mesh.vertex_spacing[v], f * (1 + 1e-12));
+  }
+}
+
 TYPED_TEST(Refinement, LetsVerticesGoWhereTheSpacingGrows) {
   constexpr int D = TypeParam::value;
   MeshingOptions<D> options;
@@ -196,6 +221,69 @@ TYPED_TEST(Refinement, ComposesWithCoarsening) {
   expect_certified(refined);
   const auto again = coarsen(refined.result.mesh, coarsening);
   EXPECT_FALSE(again.levels.empty());
+}
+
+TYPED_TEST(Refinement, MakesAHierarchyForMultigrid) {
+  constexpr int D = TypeParam::value;
+  MeshingOptions<D> options;
+  options.wishes.size = D == 2 ? 0.3 : 0.6;
+  std::vector<Mesh<D>> meshes = {make_mesh(domains::two_material_box<D>(), options).mesh};
+  for (int level = 0; level < 2; ++level) meshes.insert(meshes.begin(), refine_by(meshes.front(), 0.5).result.mesh);
+  const auto hierarchy = nested_hierarchy(domain_of(meshes.front()).domain, meshes);
+  ASSERT_EQ(hierarchy.levels.size(), 2U);
+  const Mesh<D>* finer = &meshes.front();
+  for (const CoarseLevel<D>& level : hierarchy.levels) {
+    const SparseMatrix& p = level.prolongation;
+    ASSERT_EQ(p.size(), finer->points.size());
+    for (std::size_t row = 0; row < p.size(); ++row) {
+      Vec<D> x;
+      for (std::uint64_t k = p.offsets[row]; k < p.offsets[row + 1]; ++k)
+        x += p.values[k] * level.mesh.points[VertexId(p.columns[k])];
+      EXPECT_LT(distance(x, finer->points[VertexId(row)]), 1e-9);
+    }
+    finer = &level.mesh;
+  }
+  std::vector<Mesh<D>> wrong_way(meshes.rbegin(), meshes.rend());
+  EXPECT_EQ(test::fault_of<InputError>([&] { nested_hierarchy(hierarchy.domain, wrong_way); }).id, "refine.not_nested");
+}
+
+TYPED_TEST(Refinement, TransfersValues) {
+  constexpr int D = TypeParam::value;
+  MeshingOptions<D> options;
+  options.wishes.size = 0.3;
+  const Mesh<D> coarse = make_mesh(domains::two_material_box<D>(), options).mesh;
+  const Mesh<D> fine = refine_by(coarse, 0.5).result.mesh;
+  const auto linear = [](const Vec<D>& x) { return 3 + 2 * x[0] - x[D - 1]; };
+  const auto bent = [](const Vec<D>& x) { return x[0] * x[0] + x[D - 1]; };
+  const auto at = [](const Mesh<D>& mesh, auto&& u) {
+    IdVector<VertexId, double> values;
+    for (const Vec<D>& x : mesh.points) values.push_back(u(x));
+    return values;
+  };
+  const auto there = transfer(coarse, at(coarse, linear), fine);
+  for (const VertexId v : ids(fine.points)) EXPECT_NEAR(there[v], linear(fine.points[v]), 1e-12);
+
+  const auto old_vertex = same_vertices(coarse, fine);
+  const IdVector<VertexId, double> before = at(coarse, bent);
+  const auto plain = transfer(coarse, before, fine), kept = transfer(coarse, before, fine, {.conserve = true});
+  const auto by_region = [](const Mesh<D>& mesh, const IdVector<VertexId, double>& values) {
+    const ControlVolumes<D> volumes = build_control_volumes(mesh);
+    std::map<int, double> sum;
+    for (const CellId c : ids(volumes.cell_vertex))
+      sum[volumes.cell_region[c]] += volumes.cell_volume[c] * values[volumes.cell_vertex[c]];
+    return sum;
+  };
+  const auto wanted = by_region(coarse, before), conserved = by_region(fine, kept), lost = by_region(fine, plain);
+  for (const auto& [region, integral] : wanted) {
+    EXPECT_NEAR(conserved.at(region), integral, 1e-12);
+    EXPECT_GT(std::abs(lost.at(region) - integral), 1e-6);
+  }
+  for (const VertexId v : ids(fine.points))
+    if (!old_vertex[v].is_none()) {
+      EXPECT_EQ(plain[v], before[old_vertex[v]]);
+      EXPECT_EQ(kept[v], before[old_vertex[v]]);
+    }
+  EXPECT_EQ(test::fault_of<InputError>([&] { transfer(coarse, there, fine); }).id, "transfer.wrong_length");
 }
 
 TEST(RefinementAtSharpFeatures, KeepsAllVertices) {

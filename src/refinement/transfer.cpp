@@ -1,0 +1,151 @@
+// From one mesh to another: which vertices they share, and values in between.
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <map>
+#include <unordered_map>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "coarsening/prolongation.h"
+#include "voropack/dual.h"
+#include "voropack/error.h"
+#include "voropack/refinement.h"
+
+namespace voropack {
+
+namespace {
+
+template <int D>
+struct PositionHash {
+  std::size_t operator()(const Vec<D>& x) const noexcept {
+    std::uint64_t h = 0;
+    for (const double c : x.coord) h = hash_words(h, std::bit_cast<std::uint64_t>(c == 0 ? 0.0 : c));
+    return h;
+  }
+};
+
+/// What a region holds of a field, and how much of it lies about vertices that may change.
+struct RegionContent {
+  double integral = 0, free_volume = 0;
+};
+
+/// By region: the integral over control volumes, and the volume about the vertices of which `is_free` is true.
+template <int D, class IsFree>
+std::map<int, RegionContent> contents(const ControlVolumes<D>& volumes, const IdVector<VertexId, double>& values,
+                                      IsFree&& is_free) {
+  std::map<int, RegionContent> result;
+  for (const CellId c : ids(volumes.cell_vertex)) {
+    const VertexId v = volumes.cell_vertex[c];
+    RegionContent& content = result[volumes.cell_region[c]];
+    content.integral += volumes.cell_volume[c] * values[v];
+    if (is_free(v)) content.free_volume += volumes.cell_volume[c];
+  }
+  return result;
+}
+
+/// [n_vertices] true for vertices whose control volume lies in one region.
+template <int D>
+IdVector<VertexId, std::uint8_t> find_single_cells(const ControlVolumes<D>& volumes) {
+  IdVector<VertexId, std::uint8_t> count(volumes.sites.size(), 0);
+  for (const VertexId v : volumes.cell_vertex) count[v] = count[v] == 0 ? 1 : 2;
+  for (std::uint8_t& n : count) n = n == 1 ? 1 : 0;
+  return count;
+}
+
+template <int D>
+void conserve(const Mesh<D>& from, const IdVector<VertexId, double>& before, const Mesh<D>& to,
+              const IdVector<VertexId, VertexId>& old_vertex, IdVector<VertexId, double>& values) {
+  const auto wanted = contents(build_control_volumes(from), before, [](VertexId) { return false; });
+  const ControlVolumes<D> volumes = build_control_volumes(to);
+  const auto inside = find_single_cells(volumes);
+  const auto is_new = [&](VertexId v) { return inside[v] != 0 && old_vertex[v].is_none(); };
+  const auto among_new = contents(volumes, values, is_new);
+  const auto among_all = contents(volumes, values, [&](VertexId v) { return inside[v] != 0; });
+  std::map<int, std::pair<double, bool>> shift;  // By region, and whether it is for new vertices only.
+  for (const auto& [region, content] : wanted) {
+    const auto found = among_new.find(region);
+    if (found == among_new.end()) continue;
+    const double missing = content.integral - found->second.integral;
+    const bool has_new = found->second.free_volume > 0;
+    const double volume = has_new ? found->second.free_volume : among_all.at(region).free_volume;
+    if (missing != 0 && !(volume > 0))
+      throw InputError(Fault{.id = "transfer.not_conserved",
+                             .message = fmt::format("region {} has no vertex inside that could take {}", region, missing),
+                             .fix = "refine the region, or transfer without conserving"});
+    shift[region] = {volume > 0 ? missing / volume : 0, has_new};
+  }
+  for (const CellId c : ids(volumes.cell_vertex)) {
+    const VertexId v = volumes.cell_vertex[c];
+    const auto found = shift.find(volumes.cell_region[c]);
+    if (found == shift.end() || inside[v] == 0) continue;
+    if (!found->second.second || old_vertex[v].is_none()) values[v] += found->second.first;
+  }
+}
+
+}  // namespace
+
+template <int D>
+IdVector<VertexId, VertexId> same_vertices(const Mesh<D>& from, const Mesh<D>& to) {
+  std::unordered_map<Vec<D>, VertexId, PositionHash<D>> at;
+  at.reserve(from.points.size());
+  for (const VertexId v : ids(from.points)) at.emplace(from.points[v], v);
+  IdVector<VertexId, VertexId> result(to.points.size());
+  parallel_for(result.size(), [&](std::size_t i) {
+    const auto found = at.find(to.points[VertexId(i)]);
+    if (found != at.end()) result[VertexId(i)] = found->second;
+  });
+  return result;
+}
+
+template <int D>
+CoarseningHierarchy<D> nested_hierarchy(const Domain<D>& domain, const std::vector<Mesh<D>>& meshes) {
+  CoarseningHierarchy<D> hierarchy{domain, {}};
+  for (std::size_t k = 1; k < meshes.size(); ++k) {
+    CoarseLevel<D> level;
+    level.mesh = meshes[k];
+    level.finest_vertex = same_vertices(meshes[0], meshes[k]);
+    for (const VertexId v : ids(level.finest_vertex))
+      if (level.finest_vertex[v].is_none())
+        throw InputError(Fault{.id = "refine.not_nested",
+                               .message = fmt::format("vertex {} of mesh {} is not in the finest mesh", v.value(), k),
+                               .fix = "give meshes that were refined with all vertices kept, the finest first",
+                               .position = {level.mesh.points[v].coord.begin(), level.mesh.points[v].coord.end()}});
+    link_level(meshes[0], hierarchy.levels.empty() ? nullptr : &hierarchy.levels.back(), level);
+    hierarchy.levels.push_back(std::move(level));
+  }
+  return hierarchy;
+}
+
+template <int D>
+IdVector<VertexId, double> transfer(const Mesh<D>& from, const IdVector<VertexId, double>& values, const Mesh<D>& to,
+                                    const TransferOptions& options) {
+  if (values.size() != from.points.size())
+    throw InputError(Fault{.id = "transfer.wrong_length",
+                           .message = fmt::format("there are {} values for {} vertices", values.size(),
+                                                  from.points.size()),
+                           .fix = "give one value for each vertex"});
+  const IdVector<VertexId, VertexId> old_vertex = same_vertices(from, to);
+  const SparseMatrix weights = barycentric_prolongation(from, to, old_vertex.raw());
+  IdVector<VertexId, double> result(to.points.size());
+  parallel_for(result.size(), [&](std::size_t row) {
+    double sum = 0;
+    for (std::uint64_t k = weights.offsets[row]; k < weights.offsets[row + 1]; ++k)
+      sum += weights.values[k] * values[VertexId(weights.columns[k])];
+    result[VertexId(row)] = sum;
+  });
+  if (options.conserve) conserve(from, values, to, old_vertex, result);
+  return result;
+}
+
+#define VOROPACK_INSTANTIATE(D)                                                                              \
+  template IdVector<VertexId, VertexId> same_vertices(const Mesh<D>&, const Mesh<D>&);                       \
+  template CoarseningHierarchy<D> nested_hierarchy(const Domain<D>&, const std::vector<Mesh<D>>&);           \
+  template IdVector<VertexId, double> transfer(const Mesh<D>&, const IdVector<VertexId, double>&,            \
+                                               const Mesh<D>&, const TransferOptions&);
+VOROPACK_INSTANTIATE(2)
+VOROPACK_INSTANTIATE(3)
+#undef VOROPACK_INSTANTIATE
+
+}  // namespace voropack

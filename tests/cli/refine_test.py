@@ -1,0 +1,89 @@
+"""`refine` keeps every vertex to the bit, refines where it is told to, and refuses what it cannot keep."""
+import unittest
+
+from harness import CommandLineTest, read_table, two_boxes_poly
+
+
+class Refine(CommandLineTest):
+    def setUp(self):
+        super().setUp()
+        self.write("two.poly", two_boxes_poly())
+        self.succeed("mesh", "two.poly", "-o", "coarse.node", "--size", "0.3", "--quiet")
+
+    def points(self, name):
+        return [tuple(row[1:4]) for row in read_table(self.folder / name)[1]]
+
+    def refined(self, *options):
+        self.succeed("refine", "coarse.node", "-o", "fine.node", "--report", "report.json", *options)
+        report = self.report()
+        self.assert_certified(report["certificate"])
+        return report
+
+    def test_levels_keep_all_vertices(self):
+        for levels in (1, 2):
+            report = self.refined("--levels", str(levels))
+            coarse, fine = self.points("coarse.node"), self.points("fine.node")
+            self.assertLess(set(coarse), set(fine))
+            self.assertEqual(report["refinement"],
+                             {"kept": len(coarse), "added": len(fine) - len(coarse), "removed": 0})
+            self.assertEqual({row[-1] for row in read_table(self.folder / "fine.ele")[1]}, {"1", "2"})
+            self.succeed("check", "fine.node", "--domain", "two.poly")
+
+    def test_one_level_halves_the_spacing(self):
+        self.refined()
+        fine = {tuple(row[1:4]): float(row[4]) for row in read_table(self.folder / "fine.node")[1]}
+        for row in read_table(self.folder / "coarse.node")[1]:
+            self.assertAlmostEqual(fine[tuple(row[1:4])], float(row[4]) / 2, places=12)
+
+    def test_places(self):
+        self.write("well.txt", "# a well\n0.5 0.5 0\n0.5, 0.5, 1\n")
+        counts = []
+        for option in (["--ball", "0.5,0.5,0.5,0.1=0.05"], ["--box", "0.4,0.4,0.4,0.6,0.6,0.6=0.05"],
+                       ["--near", "well.txt=0.05"], ["--region-size", "1=0.1"], ["--marker-size", "1=0.1"],
+                       ["--size-expr", "0.1+0.2*x"]):
+            report = self.refined(*option)
+            self.assertEqual(report["refinement"]["removed"], 0)
+            self.assertGreater(report["refinement"]["added"], 20)
+            counts.append(report["counts"]["vertices"])
+        self.refined("--levels", "0")
+        self.assertEqual(self.points("fine.node").__len__(), self.points("coarse.node").__len__())
+
+    def test_what_cannot_stay(self):
+        result = self.run_program("refine", "coarse.node", "-o", "fine.node", "--ball", "0.5,0.5=0.1")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("4 numbers", result.stderr)
+        result = self.run_program("refine", "coarse.node", "-o", "fine.node", "--near", "nothing.txt=0.1")
+        self.assertEqual(result.returncode, 2)
+        self.assertFalse((self.folder / "fine.node").exists())
+
+    def test_a_mesh_that_fails_its_certificate(self):
+        header, rows = read_table(self.folder / "coarse.node")
+        inside = next(i for i, row in enumerate(rows) if row[-1] == "0")
+        x = rows[inside]
+        x[1] = str(float(x[1]) + 0.06)
+        text = " ".join(header) + "\n" + "\n".join(" ".join(row) for row in rows) + "\n"
+        self.write("moved.node", text)
+        for ending in ("ele", "face", "edge"):
+            self.write(f"moved.{ending}", (self.folder / f"coarse.{ending}").read_text())
+        result = self.run_program("refine", "moved.node", "-o", "fine.node")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("certificate", result.stderr)
+        self.succeed("refine", "moved.node", "-o", "fine.node", "--redelaunay", "--force", "--report", "report.json")
+        self.assertLess(set(self.points("moved.node")), set(self.points("fine.node")))
+
+    def test_it_composes_with_coarsen(self):
+        self.refined()
+        self.succeed("coarsen", "fine.node", "--levels", "1", "-o", "levels", "--quiet")
+        self.succeed("refine", "levels/level-1.node", "-o", "again.node", "--report", "report.json")
+        self.assert_certified(self.report()["certificate"])
+        self.assertLess(set(self.points("levels/level-1.node")), set(self.points("again.node")))
+
+    def test_threads_do_not_matter(self):
+        self.refined("--threads", "1")
+        one = (self.folder / "fine.node").read_bytes()
+        self.refined("--threads", "8")
+        self.assertEqual((self.folder / "fine.node").read_bytes(), one)
+
+
+if __name__ == "__main__":
+    unittest.main()
