@@ -16,7 +16,7 @@ namespace voropack {
 /// What the spacing of the fine mesh is at a vertex.
 enum class InitialSpacing : std::uint8_t {
   kNearest,   ///< Half the distance to the nearest neighbor [Miller1996, Figure 6].
-  kMeanEdge,  ///< Half the mean length of the edges at the vertex.
+  kMeanEdge,  ///< That of a packing with such edges: their mean length at the vertex over 2.4, or 2.7 in space.
 };
 
 /// In which order the vertices of one polytope are tried.
@@ -30,7 +30,7 @@ struct CoarseningOptions {
   int levels = 4;  ///< The hierarchy ends earlier where the boundary allows no further coarsening. >= 1.
   /// Vertices of level i keep a distance that grows by this factor from level to level. > 1.
   double growth = 2;
-  double lipschitz = 0.2;  ///< Of the spacing function of each level. In (0, 1).
+  double lipschitz = 0.25;  ///< Of the spacing function of each level. In (0, 1).
   InitialSpacing initial = InitialSpacing::kMeanEdge;
   CoarseningOrder order = CoarseningOrder::kFront;
   /// f_i = max(growth^i min f_0, f_0), as in Figure 6: for quasi-uniform meshes. Else growth^i f_0, made Lipschitz.

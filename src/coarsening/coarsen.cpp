@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/parallel.h"
 #include "coarsening/completion.h"
@@ -79,11 +80,11 @@ class Coarsener {
   [[nodiscard]] std::vector<Field> grown_spacings() const {
     std::vector<Field> fields;
     Field f = fine_.initial;
-    const double least = *std::min_element(f.begin(), f.end());
+    const double least = *std::min_element(fine_.floor.begin(), fine_.floor.end());
     for (int i = 1; i <= options_.levels; ++i) {
       observer_.check_cancelled();
       if (options_.quasi_uniform) {
-        f = fine_.initial;
+        f = fine_.floor;
         for (double& value : f) value = std::max(value, std::pow(options_.growth, i) * least);
       } else {
         for (double& value : f) value *= options_.growth;
@@ -118,6 +119,7 @@ class Coarsener {
   }
 
   PackedLevel<D> pack_one(const Field& grown, const std::vector<std::uint8_t>& is_kept) {
+    std::size_t n_before = 0;
     for (int round = 0; round <= kMaxRounds; ++round) {
       Field f(grown.size());
       parallel_for(f.size(), [&](std::size_t i) {
@@ -127,19 +129,29 @@ class Coarsener {
       PackedLevel<D> level = pack_level(fine_, f, is_kept, observer_);
       if (level.faults.empty()) {
         level.spacing = std::move(f);
-        if (!complete_level(fine_, options_.lipschitz, level, observer_)) find_epsilon(level);
+        level.faults = complete_level(fine_, options_.lipschitz, level, observer_);
+        // Where f is that of the finest mesh all of its vertices are there, and it helps no more to shrink.
+        if (!level.faults.empty() && level.vertex.size() != std::exchange(n_before, level.vertex.size())) {
+          shrink(level.faults);
+          continue;
+        }
+        if (!level.faults.empty()) find_epsilon(level);
         for (const SphereId s : ids(level.packing.radius)) fitted_[level.vertex[s.value()]] = level.packing.radius[s];
         return level;
       }
-      observer_.log(LogLevel::kInfo, fmt::format("f shrinks at {} places", level.faults.size()));
-      caps_.insert(caps_.end(), level.faults.begin(), level.faults.end());
-      find_limit(spacing_.with_caps(caps_));
+      shrink(level.faults);
     }
     throw InputError(Fault{.id = "coarsen.not_delaunay",
                            .message =
                                "the mesh is not boundary-conforming Delaunay: its own vertices lie in protecting "
                                "balls",
                            .fix = "make it Delaunay first (--redelaunay); `voropack check` names the places"});
+  }
+
+  void shrink(const std::vector<SpacingCap<D>>& faults) {
+    observer_.log(LogLevel::kInfo, fmt::format("f shrinks at {} places", faults.size()));
+    caps_.insert(caps_.end(), faults.begin(), faults.end());
+    find_limit(spacing_.with_caps(caps_));
   }
 
   /// The largest circumradius of the finest mesh in units of f at the circumcenter.

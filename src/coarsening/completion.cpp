@@ -19,6 +19,8 @@ namespace {
 
 /// Each round mends what the one before has left or made. Some three are needed.
 constexpr int kMaxRounds = 20;
+/// How much f shrinks where no vertex of the finest mesh fills a hole.
+constexpr double kShrink = 0.7;
 /// What rounding may make of a length.
 constexpr double kSlack = 1e-9;
 
@@ -36,29 +38,29 @@ class Completer {
     for (const VertexId v : level.vertex) is_used_[v.value()] = 1;
   }
 
-  bool run() {
+  std::vector<SpacingCap<D>> run() {
     const std::vector<ProtectedFace<D>> faces = protected_faces(fine_.place.domain, packing_);
     kernel_.insert(packing_.center.raw());
-    bool is_maximal = false;
+    std::vector<SpacingCap<D>> gaps;
     for (int round = 0;; ++round) {
       observer_.check_cancelled();
       make_radii_lipschitz();
       labels_ = label_regions<D>(kernel_, faces);
       raise_radii();
       find_slope();
-      const Wanted wanted = find_wanted();
-      is_maximal = wanted.n_roomy == 0;
+      Wanted wanted = find_wanted();
+      gaps = std::move(wanted.gaps);
       if (round == kMaxRounds || !insert(wanted.vertices)) break;
     }
     if (labels_.missing_faces.empty() && labels_.leaking_faces.empty())
       packing_.triangulation = export_triangulation(kernel_, labels_.region);
-    return is_maximal;
+    return gaps;
   }
 
  private:
   struct Wanted {
-    std::vector<VertexId> vertices;  ///< Of the finest mesh.
-    std::size_t n_roomy = 0;         ///< Circumcenters that leave room.
+    std::vector<VertexId> vertices;   ///< Of the finest mesh.
+    std::vector<SpacingCap<D>> gaps;  ///< Balls of the simplices that want one.
   };
 
   /// With the radii as values.
@@ -158,7 +160,7 @@ class Completer {
     Wanted all;
     for (const Wanted& part : parts) {
       all.vertices.insert(all.vertices.end(), part.vertices.begin(), part.vertices.end());
-      all.n_roomy += part.n_roomy;
+      all.gaps.insert(all.gaps.end(), part.gaps.begin(), part.gaps.end());
     }
     return all;
   }
@@ -179,9 +181,13 @@ class Completer {
     // f(c) is at most `least` + slope R, and a sphere of that radius fits if it overlaps none at the corners.
     const bool is_roomy = radius > (least + slope_ * radius + largest) * (1 + kSlack);
     const bool is_long = radius * radius > kRadiusEdge * kRadiusEdge * shortest_sq;
-    if ((!is_roomy && !is_long) || balls_.forbids(c)) return;
-    if (is_roomy) ++out.n_roomy;
-    if (!is_roomy && has_sharp_pair<D>(packing_, fine_.incidence, corners)) return;
+    if (!is_roomy && !is_long) return;
+    // What is in a protecting ball leaves no room, but a smaller ball would.
+    const bool is_forbidden = balls_.forbids(c);
+    const bool is_stretched = is_long && !has_sharp_pair<D>(packing_, fine_.incidence, corners);
+    if ((!is_roomy || is_forbidden) && !is_stretched) return;
+    out.gaps.push_back({c, radius, is_stretched ? 0.5 * std::sqrt(shortest_sq) : kShrink * least});
+    if (is_forbidden) return;
     const VertexId v = nearest_usable(nearest_vertex(level_.vertex[corners[0]], c), c);
     if (!v.is_none()) out.vertices.push_back(v);
   }
@@ -274,11 +280,12 @@ class Completer {
 }  // namespace
 
 template <int D>
-bool complete_level(const FineMesh<D>& fine, double lipschitz, PackedLevel<D>& level, const Observer& observer) {
+std::vector<SpacingCap<D>> complete_level(const FineMesh<D>& fine, double lipschitz, PackedLevel<D>& level,
+                                          const Observer& observer) {
   return Completer<D>(fine, lipschitz, level, observer).run();
 }
 
-template bool complete_level(const FineMesh<2>&, double, PackedLevel<2>&, const Observer&);
-template bool complete_level(const FineMesh<3>&, double, PackedLevel<3>&, const Observer&);
+template std::vector<SpacingCap<2>> complete_level(const FineMesh<2>&, double, PackedLevel<2>&, const Observer&);
+template std::vector<SpacingCap<3>> complete_level(const FineMesh<3>&, double, PackedLevel<3>&, const Observer&);
 
 }  // namespace voropack

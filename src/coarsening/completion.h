@@ -10,8 +10,10 @@ namespace voropack {
 /// explains has R / l > 2.5, the nearest vertex of the finest mesh joins, and f shrinks at it and its neighbors to what
 /// fits; until there is no such simplex left that a vertex can help. Radii are b-Lipschitz in the end.
 ///
-/// Returns true if no circumcenter leaves room: then the level is Voronoi-maximal.
+/// Returns where f would have to be smaller: the balls of those simplices that are left. Empty if the level is
+/// Voronoi-maximal.
 template <int D>
-bool complete_level(const FineMesh<D>& fine, double lipschitz, PackedLevel<D>& level, const Observer& observer);
+std::vector<SpacingCap<D>> complete_level(const FineMesh<D>& fine, double lipschitz, PackedLevel<D>& level,
+                                          const Observer& observer);
 
 }  // namespace voropack

@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "coarsening/initial_spacing.h"
 #include "geom/hilbert.h"
 #include "mesh/incidence.h"
 
@@ -79,26 +80,10 @@ void make_lipschitz(const Mesh<D>& mesh, const Csr<VertexId, VertexId>& neighbor
 template <int D>
 FineMesh<D>::FineMesh(const Mesh<D>& fine, MeshDomain<D> domain_and_carriers, const CoarseningOptions& options)
     : mesh(fine), place(std::move(domain_and_carriers)), incidence(place.domain), neighbors(vertex_neighbors(fine)) {
-  find_spacing(options);
+  VertexSpacing spacing = initial_spacing(fine, neighbors, options.initial);
+  initial = std::move(spacing.initial);
+  floor = std::move(spacing.nearest);
   sort_vertices(options);
-}
-
-template <int D>
-void FineMesh<D>::find_spacing(const CoarseningOptions& options) {
-  initial.resize(mesh.points.size());
-  floor.resize(mesh.points.size());
-  parallel_for(mesh.points.size(), [&](std::size_t i) {
-    const VertexId v(i);
-    double nearest = std::numeric_limits<double>::infinity(), sum = 0;
-    for (const VertexId w : neighbors[v]) {
-      const double d = distance(mesh.points[v], mesh.points[w]);
-      nearest = std::min(nearest, d);
-      sum += d;
-    }
-    floor[v] = 0.5 * nearest;
-    initial[v] = options.initial == InitialSpacing::kNearest ? 0.5 * nearest
-                                                             : 0.5 * sum / static_cast<double>(neighbors[v].size());
-  });
 }
 
 /// From the boundary inwards: by the number of edges to it.

@@ -28,7 +28,6 @@ struct FineMesh {
   std::vector<VertexId> interior;         ///< In no polytope below D, in the order in which they are tried.
 
  private:
-  void find_spacing(const CoarseningOptions& options);
   void sort_vertices(const CoarseningOptions& options);
 };
 

@@ -8,6 +8,8 @@
 #include <queue>
 
 #include "base/random.h"
+#include "coarsening/fine_mesh.h"
+#include "coarsening/initial_spacing.h"
 #include "geom/hilbert.h"
 #include "geom/predicates.h"
 #include "voropack/error.h"
@@ -63,28 +65,11 @@ struct PlanarPacker::State {
 
 PlanarPacker::PlanarPacker(const Mesh<2>& mesh, const ChainedMesh& fine, InitialSpacing initial, Observer& observer)
     : fine_(&fine), observer_(&observer) {
-  const std::size_t n = fine.points.size();
-  std::vector<double> sum(n, 0), least(n, std::numeric_limits<double>::infinity());
-  std::vector<std::uint32_t> count(n, 0);
-  for (const auto& c : mesh.simplex_vertices)
-    for (std::size_t i = 0; i < 3; ++i) {
-      // Every edge counts once per triangle: edges inside twice as much as those of the hull.
-      const std::uint32_t a = c[i].value(), b = c[(i + 1) % 3].value();
-      const double length = distance(fine.points[a], fine.points[b]);
-      for (const std::uint32_t v : {a, b}) {
-        sum[v] += length;
-        ++count[v];
-        least[v] = std::min(least[v], length);
-      }
-    }
-  nearest_.resize(n);
-  initial_.resize(n);
+  VertexSpacing spacing = initial_spacing(mesh, vertex_neighbors(mesh), initial);
+  initial_ = std::move(spacing.initial.raw());
+  nearest_ = std::move(spacing.nearest.raw());
   std::vector<Box<2>> boxes;
-  for (std::size_t v = 0; v < n; ++v) {
-    nearest_[v] = 0.5 * least[v];
-    initial_[v] = initial == InitialSpacing::kNearest ? nearest_[v] : 0.5 * sum[v] / count[v];
-    boxes.emplace_back(fine.points[v], fine.points[v]);
-  }
+  for (const Vec<2>& x : fine.points) boxes.emplace_back(x, x);
   tree_ = BoxTree<2>(boxes, initial_);
 }
 
