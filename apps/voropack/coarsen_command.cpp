@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "command.h"
 #include "print.h"
@@ -18,10 +20,16 @@ const std::map<std::string, InitialSpacing> kInitialNames = {{"nearest", Initial
 const std::map<std::string, CoarseningOrder> kOrderNames = {
     {"front", CoarseningOrder::kFront}, {"curve", CoarseningOrder::kCurve}, {"random", CoarseningOrder::kRandom}};
 
+const std::map<std::string, LocalImprovement> kImprovementNames = {
+    {"none", LocalImprovement::kNone}, {"packed", LocalImprovement::kPacked}, {"free", LocalImprovement::kFree}};
+
 struct CoarsenArguments {
   fs::path mesh;
   fs::path folder;
   CoarseningOptions options;
+  BeyondBoundaryOptions beyond;
+  bool is_beyond = false;
+  std::optional<double> lipschitz;
   bool redelaunay = false;
 };
 
@@ -29,12 +37,23 @@ Json options_json(const CoarsenArguments& arguments) {
   const CoarseningOptions& options = arguments.options;
   Json json;
   json["output"] = arguments.folder.string();
-  json["levels"] = options.levels;
-  json["growth"] = options.growth;
-  json["lipschitz"] = options.lipschitz;
+  if (options.target_vertices.empty()) {
+    json["levels"] = options.levels;
+    json["growth"] = options.growth;
+  } else {
+    json["target_nodes"] = options.target_vertices;
+  }
+  json["lipschitz"] = arguments.is_beyond ? arguments.beyond.lipschitz : options.lipschitz;
   json["initial"] = name_of(kInitialNames, options.initial);
   json["order"] = name_of(kOrderNames, options.order);
   json["quasi_uniform"] = options.quasi_uniform;
+  json["redelaunay"] = arguments.redelaunay;
+  json["beyond_boundary"] = arguments.is_beyond;
+  if (!arguments.is_beyond) return json;
+  json["improve"] = name_of(kImprovementNames, arguments.beyond.improvement);
+  json["restarts"] = arguments.beyond.restarts;
+  json["max_area_change"] = arguments.beyond.max_area_change;
+  json["feature_angle"] = arguments.beyond.feature_angle_deg;
   return json;
 }
 
@@ -43,7 +62,10 @@ struct LevelFigures {
   QualityReport quality;
   Certificate certificate;
   double ratio = 0;  ///< Vertices over those of the next finer mesh.
-  double epsilon = 0;
+  double epsilon = 0, growth = 1, boundary_distance = 0;
+  // Beyond the boundary.
+  std::optional<double> area_change, lipschitz, largest_overlap;
+  std::optional<std::size_t> n_exchanges;
 };
 
 Json level_json(const LevelFigures& level) {
@@ -51,54 +73,136 @@ Json level_json(const LevelFigures& level) {
   json["vertices"] = level.quality.n_vertices;
   json["simplices"] = level.quality.n_simplices;
   json["ratio"] = level.ratio;
+  json["growth"] = level.growth;
   json["radius_edge"] = {{"max", level.quality.radius_edge.max}, {"mean", level.quality.radius_edge.mean}};
   json["angle_deg"] = {{"min", level.quality.angle_deg.min}, {"max", level.quality.angle_deg.max}};
+  double measure = 0;
+  for (const auto& region : level.quality.regions) measure += region.volume;
+  json["volume"] = measure;
+  json["boundary_distance"] = level.boundary_distance;
+  if (level.area_change) json["area_change"] = *level.area_change;
+  if (level.lipschitz) json["lipschitz"] = *level.lipschitz;
+  if (level.largest_overlap) json["largest_overlap"] = *level.largest_overlap;
+  if (level.n_exchanges) json["exchanges"] = *level.n_exchanges;
   if (level.epsilon > 0) json["epsilon"] = level.epsilon;
   json["certificate"] = certificate_json(level.certificate);
   return json;
 }
 
+/// What the level's maker promises of it.
 template <int D>
-LevelFigures judge(const CoarseLevel<D>& level, const Domain<D>& domain, const CoarseningOptions& options,
+CertificateOptions claims_of(const CoarseLevel<D>& level, const CoarsenArguments& arguments) {
+  CertificateOptions claims;
+  if (!arguments.is_beyond) claims.gradation = arguments.options.lipschitz;
+  if (level.epsilon > 0) {
+    claims.form = PackingForm::kMaximal;
+    claims.epsilon = level.epsilon;
+  }
+  return claims;
+}
+
+template <int D>
+LevelFigures judge(const CoarseLevel<D>& level, const Domain<D>* domain, const CoarsenArguments& arguments,
                    std::size_t n_finer, Report& report, Observer& observer) {
   const ControlVolumes<D> volumes =
       timed(report.times, "dual", [&] { return build_control_volumes(level.mesh, observer); });
   LevelFigures figures;
   figures.ratio = static_cast<double>(level.mesh.points.size()) / static_cast<double>(n_finer);
   figures.epsilon = level.epsilon;
+  figures.growth = level.growth;
+  figures.boundary_distance = level.boundary_distance;
   figures.quality = timed(report.times, "quality", [&] { return measure_quality(level.mesh, volumes, observer); });
-  CertificateOptions claims;
-  claims.gradation = options.lipschitz;
-  if (level.epsilon > 0) {
-    claims.form = PackingForm::kMaximal;
-    claims.epsilon = level.epsilon;
-  }
-  figures.certificate =
-      timed(report.times, "certificate", [&] { return certify(level.mesh, volumes, &domain, claims, observer); });
+  figures.certificate = timed(report.times, "certificate", [&] {
+    return certify(level.mesh, volumes, domain, claims_of(level, arguments), observer);
+  });
   return figures;
 }
 
-std::string level_table(std::size_t n_finest, const std::vector<LevelFigures>& levels) {
-  std::string text = fmt::format("{:<8}{:>12}{:>8}{:>13}{:>18}{:>18}  {}\n", "level", "vertices", "ratio", "simplices",
-                                 "radius/edge max", "angle min, deg", "certificate");
-  text += fmt::format("{:<8}{:>12}\n", 0, grouped(n_finest));
+std::string level_table(std::size_t n_finest, const std::vector<LevelFigures>& levels, bool is_beyond) {
+  std::string text = fmt::format("{:<7}{:>11}{:>8}{:>12}{:>13}{:>11}{:>11}", "level", "vertices", "ratio", "simplices",
+                                 "max R / l", "min angle", "max angle");
+  if (is_beyond) text += fmt::format("{:>12}{:>12}{:>10}", "distance", "area, %", "overlap");
+  text += fmt::format("  certificate\n{:<7}{:>11}\n", 0, grouped(n_finest));
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const LevelFigures& level = levels[i];
-    text += fmt::format("{:<8}{:>12}{:>8.3f}{:>13}{:>18.4g}{:>18.4g}  {}\n", i + 1, grouped(level.quality.n_vertices),
-                        level.ratio, grouped(level.quality.n_simplices), level.quality.radius_edge.max,
-                        level.quality.angle_deg.min, level.certificate.ok ? "ok" : "failed");
+    text += fmt::format("{:<7}{:>11}{:>8.3f}{:>12}{:>13.4g}{:>11.2f}{:>11.2f}", i + 1,
+                        grouped(level.quality.n_vertices), level.ratio, grouped(level.quality.n_simplices),
+                        level.quality.radius_edge.max, level.quality.angle_deg.min, level.quality.angle_deg.max);
+    if (is_beyond)
+      text += fmt::format("{:>12.3g}{:>12.3g}{:>10.2g}", level.boundary_distance, 100 * level.area_change.value_or(0),
+                          level.largest_overlap.value_or(0));
+    text += fmt::format("  {}\n", level.certificate.ok ? "ok" : "failed");
   }
   return text;
 }
 
-/// Rows of the finer level, columns of the coarser one, counted from 1.
-std::string matrix_market(const SparseMatrix& matrix, std::size_t n_columns) {
-  std::string text = "%%MatrixMarket matrix coordinate real general\n";
-  text += fmt::format("{} {} {}\n", matrix.size(), n_columns, matrix.columns.size());
-  for (std::size_t row = 0; row < matrix.size(); ++row)
-    for (std::uint64_t k = matrix.offsets[row]; k < matrix.offsets[row + 1]; ++k)
-      text += fmt::format("{} {} {}\n", row + 1, matrix.columns[k] + 1, matrix.values[k]);
+std::string remarks(const std::vector<LevelFigures>& levels, const CoarsenArguments& arguments) {
+  std::string text;
+  const std::size_t n_wanted = arguments.options.target_vertices.empty()
+                                   ? static_cast<std::size_t>(arguments.options.levels)
+                                   : arguments.options.target_vertices.size();
+  if (levels.size() < n_wanted) text += fmt::format("The boundary allows {} of {} levels.\n", levels.size(), n_wanted);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const LevelFigures& level = levels[i];
+    if (i < arguments.options.target_vertices.size() && level.quality.n_vertices > arguments.options.target_vertices[i])
+      text += fmt::format("level {}: the boundary allows no fewer vertices\n", i + 1);
+    if (level.epsilon > 0)
+      text += fmt::format("level {}: check it with --packing maximal --epsilon {:.17g}\n", i + 1, level.epsilon);
+    if (!level.certificate.ok) text += fmt::format("\nlevel {}\n{}", i + 1, certificate_table(level.certificate));
+  }
   return text;
+}
+
+template <int D>
+void write_levels(const std::vector<const CoarseLevel<D>*>& levels, const fs::path& folder, Session& session) {
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    session.observer.check_cancelled();
+    const CoarseLevel<D>& level = *levels[i];
+    std::vector<double> finest;
+    for (const VertexId v : level.finest_vertex) finest.push_back(v.value());
+    write_mesh(level.mesh, session.outputs.stage(folder / fmt::format("level-{}.node", i + 1)),
+               {.vertex = {{"finest_vertex", finest}}, .simplex = {}});
+    const SparseMatrix& p = level.prolongation;
+    write_matrix_market(p.offsets, p.columns, p.values, level.mesh.points.size(),
+                        session.outputs.stage(folder / fmt::format("prolongation-{}.mtx", i + 1)));
+  }
+}
+
+/// Levels of either kind, and what is known of each.
+template <int D>
+struct Levels {
+  CoarseningHierarchy<D> hierarchy;         ///< Within the boundary.
+  std::vector<SimplifiedLevel> simplified;  ///< Beyond it.
+  std::vector<const CoarseLevel<D>*> all;
+  std::vector<LevelFigures> figures;
+};
+
+template <int D>
+void make_levels(const Mesh<D>& mesh, const CoarsenArguments& arguments, Report& report, Observer& observer,
+                 Levels<D>& out) {
+  timed(report.times, "coarsen", [&] {
+    if (arguments.is_beyond)
+      out.simplified = coarsen_beyond_boundary(mesh, arguments.beyond, observer);
+    else
+      out.hierarchy = coarsen(mesh, arguments.options, observer);
+  });
+  for (const CoarseLevel<D>& level : out.hierarchy.levels) out.all.push_back(&level);
+  if constexpr (D == 2)
+    for (const SimplifiedLevel& level : out.simplified) out.all.push_back(&level);
+  std::size_t n_finer = mesh.points.size();
+  for (std::size_t i = 0; i < out.all.size(); ++i) {
+    const CoarseLevel<D>& level = *out.all[i];
+    LevelFigures figures =
+        judge<D>(level, arguments.is_beyond ? nullptr : &out.hierarchy.domain, arguments, n_finer, report, observer);
+    if (arguments.is_beyond) {
+      figures.area_change = out.simplified[i].area_change;
+      figures.lipschitz = out.simplified[i].lipschitz;
+      figures.largest_overlap = out.simplified[i].largest_overlap;
+      figures.n_exchanges = out.simplified[i].n_exchanges;
+    }
+    out.figures.push_back(std::move(figures));
+    n_finer = level.mesh.points.size();
+  }
 }
 
 template <int D>
@@ -109,43 +213,19 @@ ExitCode coarsen_mesh(const Mesh<D>& mesh, const CoarsenArguments& arguments, St
   report.options = options_json(arguments);
   report.input = describe_file(arguments.mesh, D);
   report.times = std::move(times);
-  const CoarseningHierarchy<D> hierarchy =
-      timed(report.times, "coarsen", [&] { return coarsen(mesh, arguments.options, observer); });
-
-  std::vector<LevelFigures> figures;
-  bool ok = true;
-  std::size_t n_finer = mesh.points.size();
-  report.levels = Json::array();
-  for (const CoarseLevel<D>& level : hierarchy.levels) {
-    figures.push_back(judge(level, hierarchy.domain, arguments.options, n_finer, report, observer));
-    report.levels->push_back(level_json(figures.back()));
-    ok = ok && figures.back().certificate.ok;
-    n_finer = level.mesh.points.size();
-  }
-
+  Levels<D> levels;
+  make_levels(mesh, arguments, report, observer, levels);
   observer.begin_stage("write");
-  timed(report.times, "write", [&] {
-    for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
-      observer.check_cancelled();
-      const CoarseLevel<D>& level = hierarchy.levels[i];
-      std::vector<double> finest;
-      for (const VertexId v : level.finest_vertex) finest.push_back(v.value());
-      const fs::path stem = arguments.folder / fmt::format("level-{}", i + 1);
-      write_mesh(level.mesh, session.outputs.stage(fs::path(stem).concat(".node")),
-                 {.vertex = {{"finest_vertex", finest}}, .simplex = {}});
-      const std::string name = fmt::format("prolongation-{}.mtx", i + 1);
-      write_text(matrix_market(level.prolongation, level.mesh.points.size()),
-                 session.outputs.stage(arguments.folder / name));
-    }
-  });
-  std::string text = level_table(mesh.points.size(), figures);
-  if (hierarchy.levels.size() < static_cast<std::size_t>(arguments.options.levels))
-    text += fmt::format("The boundary allows {} of {} levels.\n", hierarchy.levels.size(), arguments.options.levels);
-  for (std::size_t i = 0; i < figures.size(); ++i)
-    if (!figures[i].certificate.ok)
-      text += fmt::format("\nlevel {}\n{}", i + 1, certificate_table(figures[i].certificate));
-  text += fmt::format("levels: {}\n", arguments.folder.string());
-  session.finish(report, text);
+  timed(report.times, "write", [&] { write_levels(levels.all, arguments.folder, session); });
+  report.levels = Json::array();
+  bool ok = true;
+  for (const LevelFigures& level : levels.figures) {
+    report.levels->push_back(level_json(level));
+    ok = ok && level.certificate.ok;
+  }
+  session.finish(report, level_table(mesh.points.size(), levels.figures, arguments.is_beyond) +
+                             remarks(levels.figures, arguments) +
+                             fmt::format("levels: {}\n", arguments.folder.string()));
   return ok ? ExitCode::kDone : ExitCode::kCheckFailed;
 }
 
@@ -158,40 +238,98 @@ ExitCode run_coarsen(const CoarsenArguments& arguments, Session& session) {
   return std::visit([&](const auto& any) { return coarsen_mesh(any, arguments, times, session); }, mesh);
 }
 
+void add_level_options(CLI::App& app, CoarsenArguments& arguments) {
+  CoarseningOptions& options = arguments.options;
+  CLI::Option* const levels =
+      app.add_option("--levels", options.levels, "Coarser meshes to make; fewer where the boundary allows no more")
+          ->check(whole_number(1, 60))
+          ->capture_default_str();
+  CLI::Option* const growth =
+      app.add_option("--growth", options.growth, "Distances of vertices grow by this factor from level to level")
+          ->check(CLI::Range(1.0 + 1e-6, 1e6))
+          ->capture_default_str();
+  app.add_option("--target-nodes", options.target_vertices,
+                 "Vertices of level 1, 2, ...: the growth of each is the one that comes closest from below")
+      ->delimiter(',')
+      ->check(whole_number(1, 0xffffffffU))
+      ->type_name("N1,N2,...")
+      ->excludes(levels)
+      ->excludes(growth);
+  app.add_option("--lipschitz", arguments.lipschitz,
+                 fmt::format("Lipschitz constant of the spacing of each level; {} by default, {} beyond the boundary",
+                             options.lipschitz, arguments.beyond.lipschitz))
+      ->check(positive_number(0.9));
+  app.add_option("--initial", options.initial,
+                 "Spacing of MESH at a vertex: half the distance to its nearest neighbor (nearest), or that of a\n"
+                 "packing with as long edges there (mean-edge)")
+      ->transform(CLI::CheckedTransformer(kInitialNames))
+      ->default_str(std::string(name_of(kInitialNames, options.initial)));
+  app.add_option("--order", options.order, "Order in which vertices are tried")
+      ->transform(CLI::CheckedTransformer(kOrderNames))
+      ->default_str(std::string(name_of(kOrderNames, options.order)));
+  app.add_flag("--quasi-uniform", options.quasi_uniform,
+               "Spacing max(growth^i min f0, f0) of algorithm COARSEN, for meshes of about one size");
+}
+
+void add_beyond_options(CLI::App& app, CoarsenArguments& arguments) {
+  BeyondBoundaryOptions& options = arguments.beyond;
+  CLI::Option* const beyond =
+      app.add_flag("--beyond-boundary", arguments.is_beyond,
+                   "In the plane: simplify the boundary with its mesh, and report how far it moves")
+          ->excludes("--quasi-uniform");
+  app.add_option("--feature-angle", options.feature_angle_deg,
+                 "Beyond the boundary: vertices where it turns by more than this stay on all levels")
+      ->check(positive_number(180))
+      ->type_name("DEG")
+      ->capture_default_str()
+      ->needs(beyond);
+  app.add_option("--improve", options.improvement,
+                 "Beyond the boundary: exchange vertices for better shapes as long as vertices keep their distance\n"
+                 "(packed), or whatever their distance (free)")
+      ->transform(CLI::CheckedTransformer(kImprovementNames))
+      ->default_str(std::string(name_of(kImprovementNames, options.improvement)))
+      ->needs(beyond);
+  app.add_option("--restarts", options.restarts, "Beyond the boundary: attempts per level, of which the best is taken")
+      ->check(whole_number(1, 1000))
+      ->capture_default_str()
+      ->needs(beyond);
+  app.add_option("--max-area-change", options.max_area_change,
+                 "Beyond the boundary: how much of its area a region may win or lose")
+      ->check(CLI::Range(1e-9, 0.999))
+      ->capture_default_str()
+      ->needs(beyond);
+}
+
+/// Options that mean the same beyond the boundary.
+void copy_shared_options(CoarsenArguments& arguments, std::uint64_t seed) {
+  arguments.options.seed = arguments.beyond.seed = seed;
+  arguments.beyond.levels = arguments.options.levels;
+  arguments.beyond.growth = arguments.options.growth;
+  arguments.beyond.target_vertices = arguments.options.target_vertices;
+  arguments.beyond.initial = arguments.options.initial;
+  arguments.beyond.order = arguments.options.order;
+  if (!arguments.lipschitz) return;
+  arguments.options.lipschitz = arguments.beyond.lipschitz = *arguments.lipschitz;
+}
+
 }  // namespace
 
 Command add_coarsen_command(CLI::App& root, CommonOptions& common) {
   CLI::App* const app = root.add_subcommand("coarsen", "A hierarchy of coarser meshes whose vertices are nested");
   const auto arguments = std::make_shared<CoarsenArguments>();
-  CoarseningOptions& options = arguments->options;
   app->add_option("MESH", arguments->mesh, "Mesh: .node (with .ele) or .vtu, of any program")->required();
   app->add_option("-o,--output", arguments->folder, "Folder for level-1.node, ..., prolongation-1.mtx, ...")
       ->required();
-  app->add_option("--levels", options.levels, "Coarser meshes to make; fewer where the boundary allows no more")
-      ->check(whole_number(1, 60))
-      ->capture_default_str();
-  app->add_option("--growth", options.growth, "Distances of vertices grow by this factor from level to level")
-      ->check(CLI::Range(1.0 + 1e-6, 1e6))
-      ->capture_default_str();
-  app->add_option("--lipschitz", options.lipschitz, "Lipschitz constant of the spacing of each level")
-      ->check(positive_number(0.9))
-      ->capture_default_str();
-  app->add_option("--initial", options.initial, "Spacing of MESH at a vertex: half of its nearest or of its mean edge")
-      ->transform(CLI::CheckedTransformer(kInitialNames))
-      ->default_str(std::string(name_of(kInitialNames, options.initial)));
-  app->add_option("--order", options.order, "Order in which vertices are tried")
-      ->transform(CLI::CheckedTransformer(kOrderNames))
-      ->default_str(std::string(name_of(kOrderNames, options.order)));
-  app->add_flag("--quasi-uniform", options.quasi_uniform,
-                "Spacing max(growth^i min f0, f0) of algorithm COARSEN, for meshes of about one size");
-  app->add_flag("--redelaunay", arguments->redelaunay, "Triangulate the points of MESH anew if it is not Delaunay");
+  add_level_options(*app, *arguments);
+  add_beyond_options(*app, *arguments);
+  add_redelaunay_option(*app, arguments->redelaunay);
   add_common_options(*app, common);
   app->footer(
       "In level-K.node, attribute 1 is the spacing, attribute 2 the vertex's place in MESH, counted from 0.\n"
       "prolongation-K.mtx interpolates from level K to level K - 1; MESH is level 0.\n"
       "Example: voropack coarsen part.vtu --levels 5 -o hierarchy");
   return {app, [arguments, &common](Session& session) {
-            arguments->options.seed = common.seed;
+            copy_shared_options(*arguments, common.seed);
             return run_coarsen(*arguments, session);
           }};
 }

@@ -30,6 +30,9 @@ struct CoarseningOptions {
   int levels = 4;  ///< The hierarchy ends earlier where the boundary allows no further coarsening. >= 1.
   /// Vertices of level i keep a distance that grows by this factor from level to level. > 1.
   double growth = 2;
+  /// Instead of `levels` and `growth`: numbers of vertices of levels 1, 2, ..., falling. Each level is the one that
+  /// comes closest from below among all growth factors; the smallest one where none is below.
+  std::vector<std::size_t> target_vertices;
   double lipschitz = 0.25;  ///< Of the spacing function of each level. In (0, 1).
   InitialSpacing initial = InitialSpacing::kMeanEdge;
   CoarseningOrder order = CoarseningOrder::kFront;
@@ -52,6 +55,7 @@ struct CoarseLevel {
   /// No point of a region is farther than this, in units of the spacing there, from a vertex that keeps others away: E
   /// of the check voronoi_maximal.
   double epsilon = 0;
+  double growth = 1;             ///< f = growth f_0, made Lipschitz.
   double boundary_distance = 0;  ///< How far the boundary is from that of the finest mesh, at most. Length.
 };
 
@@ -96,14 +100,17 @@ struct BeyondBoundaryOptions {
   LocalImprovement improvement = LocalImprovement::kFree;
   int trials = 300;               ///< Exchanges tried per vertex of a level. >= 0.
   double max_area_change = 0.02;  ///< Of each region, as a part of its area. In (0, 1).
+  /// Boundary vertices where the boundary turns by more than this stay on all levels. In (0, 180]: none stays for its
+  /// angle.
+  double feature_angle_deg = 180;
   std::uint64_t seed = 1;
 };
 
 /// A level with a simplified boundary. Vertices of the finer level that lie outside of it are interpolated from the
-/// nearest triangle. `epsilon` is not measured.
+/// nearest triangle. `epsilon` is not measured. The spacing of the mesh is f of the packing; after
+/// LocalImprovement::kFree, which keeps none, half the distance to the nearest vertex.
 struct SimplifiedLevel : CoarseLevel<2> {
-  double growth = 1;           ///< f = growth f_0, made Lipschitz.
-  double lipschitz = 0;        ///< With this constant.
+  double lipschitz = 0;        ///< Of f.
   double area_change = 0;      ///< The largest one of a region, as a part of its area.
   double largest_overlap = 0;  ///< Of two f-spheres: 1 - distance / sum of the radii. 0 if it is a packing.
   std::size_t n_exchanges = 0;

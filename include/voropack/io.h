@@ -81,6 +81,11 @@ void write_svg(const Mesh<2>& mesh, const CellShapes<2>& shapes, const ControlVo
 /// a scale of their colours, as SVG. Throws: as write_mesh.
 void write_svg(const Mesh<2>& mesh, const NamedArray& colors, const std::filesystem::path& path);
 
+/// Writes a sparse matrix given by rows in the Matrix Market exchange format, counted from 1 there: `offsets` of n_rows
+/// + 1 rows into `columns` and `values`. Throws: InputError io.cannot_write.
+void write_matrix_market(std::span<const std::uint64_t> offsets, std::span<const std::uint32_t> columns,
+                         std::span<const double> values, std::size_t n_columns, const std::filesystem::path& path);
+
 /// Writes text whole or not at all: beside its place, then renamed.
 void write_text(const std::string& text, const std::filesystem::path& path);
 

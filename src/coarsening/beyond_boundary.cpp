@@ -38,6 +38,8 @@ void check_options(const BeyondBoundaryOptions& o) {
   if (o.trials < 0) throw_bad_option(fmt::format("trials is {}", o.trials), "take at least 0");
   if (!(o.max_area_change > 0 && o.max_area_change < 1))
     throw_bad_option(fmt::format("max_area_change is {}", o.max_area_change), "take a number between 0 and 1");
+  if (!(o.feature_angle_deg > 0 && o.feature_angle_deg <= 180))
+    throw_bad_option(fmt::format("the feature angle is {}", o.feature_angle_deg), "take 180 degrees or less");
   for (std::size_t i = 1; i < o.target_vertices.size(); ++i)
     if (o.target_vertices[i] >= o.target_vertices[i - 1])
       throw_bad_option("the numbers of vertices do not fall from level to level", "give them from fine to coarse");
@@ -49,7 +51,7 @@ class Hierarchy {
       : mesh_(mesh),
         options_(options),
         observer_(observer),
-        fine_(find_chains(mesh)),
+        fine_(find_chains(mesh, options.feature_angle_deg)),
         packer_(mesh, fine_, options.initial, observer) {}
 
   std::vector<SimplifiedLevel> build() {
@@ -167,7 +169,24 @@ class Hierarchy {
       out.largest_overlap = std::max(out.largest_overlap, packer_.overlap(packed, v));
     }
     out.mesh = make_mesh(packed, out.finest_vertex, place);
+    if (options_.improvement == LocalImprovement::kFree) take_half_distances(out.mesh);
     return out;
+  }
+
+  /// The nearest vertex shares an edge, or the boundary is in between.
+  static void take_half_distances(Mesh<2>& mesh) {
+    std::vector<Box<2>> boxes;
+    for (const Vec<2>& x : mesh.points) boxes.emplace_back(x, x);
+    const BoxTree<2> tree(boxes);
+    for (const VertexId v : ids(mesh.points)) {
+      const Vec<2>& x = mesh.points[v];
+      double nearest = std::numeric_limits<double>::infinity();
+      tree.for_each([&](const Box<2>& box) { return box.distance_sq(x) < nearest * nearest; },
+                    [&](std::uint32_t w) {
+                      if (w != v.value()) nearest = std::min(nearest, distance(x, mesh.points[VertexId(w)]));
+                    });
+      mesh.vertex_spacing[v] = 0.5 * nearest;
+    }
   }
 
   [[nodiscard]] Mesh<2> make_mesh(const PlanarPacking& packed, const IdVector<VertexId, VertexId>& finest,

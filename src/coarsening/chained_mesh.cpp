@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "voropack/error.h"
 
@@ -77,6 +79,16 @@ class Tracer {
     return at_[v].size() != 2 || !same_kind(at_[v][0], at_[v][1], v);
   }
 
+  /// By how much the boundary turns at v; 0 unless two edges meet there.
+  [[nodiscard]] double turn_deg(std::uint32_t v, const std::vector<Vec<2>>& points) const {
+    if (at_[v].size() != 2) return 0;
+    const auto beyond = [&](std::uint32_t e) {
+      return points[edges_[e].vertices[0] == v ? edges_[e].vertices[1] : edges_[e].vertices[0]] - points[v];
+    };
+    const Vec<2> a = beyond(at_[v][0]), b = beyond(at_[v][1]);
+    return 180 - std::abs(std::atan2(cross(a, b), dot(a, b))) * 180 / std::numbers::pi;
+  }
+
   void trace_all(std::vector<std::uint8_t>& anchors, std::vector<VertexChain>& chains) {
     for (std::uint32_t v = 0; v < at_.size(); ++v)
       if (anchors[v] != 0)
@@ -127,7 +139,7 @@ void add_places(ChainedMesh& out) {
 
 }  // namespace
 
-ChainedMesh find_chains(const Mesh<2>& mesh) {
+ChainedMesh find_chains(const Mesh<2>& mesh, double feature_angle_deg) {
   ChainedMesh out;
   const std::size_t n = mesh.points.size();
   out.points = mesh.points.raw();
@@ -153,7 +165,8 @@ ChainedMesh find_chains(const Mesh<2>& mesh) {
   for (std::uint32_t v = 0; v < n; ++v) {
     const bool is_point = !mesh.vertex_carrier_dimension.empty() && on_boundary[v] == 0 &&
                           mesh.vertex_carrier_dimension[VertexId(std::size_t{v})] == 0;
-    out.is_anchor[v] = tracer.is_anchor(v) || is_point ? 1 : 0;
+    const bool is_corner = tracer.turn_deg(v, out.points) > feature_angle_deg;
+    out.is_anchor[v] = tracer.is_anchor(v) || is_point || is_corner ? 1 : 0;
   }
   tracer.trace_all(out.is_anchor, out.chains);
   add_places(out);

@@ -36,15 +36,16 @@ struct ChainedMesh {
   Csr<VertexId, ChainPlace>
       places;  ///< Where a vertex is on the boundary: nowhere, once, or as often as chains end there.
   std::vector<int> vertex_region;       ///< Of a vertex that is not on the boundary: index into `region_id`.
-  std::vector<std::uint8_t> is_anchor;  ///< Kept on every level: ends of chains and points of their own.
+  std::vector<std::uint8_t> is_anchor;  ///< Kept on every level: ends of chains, corners and points of their own.
   std::vector<int> region_id;           ///< Ascending, as users see them.
   std::vector<double> region_area;
 
   [[nodiscard]] bool on_boundary(std::uint32_t v) const { return !places[VertexId(v)].empty(); }
 };
 
-/// Every boundary edge is in one chain. Throws InputError coarsen.not_an_edge if one is no edge of the mesh.
-ChainedMesh find_chains(const Mesh<2>& mesh);
+/// Every boundary edge is in one chain. Vertices where two edges turn by more than `feature_angle_deg` are anchors.
+/// Throws InputError coarsen.not_an_edge if one is no edge of the mesh.
+ChainedMesh find_chains(const Mesh<2>& mesh, double feature_angle_deg = 180);
 
 /// How far a vertex is, at most, from the edge that stands for its part of the chain: `from` and `to` are positions,
 /// the latter beyond the former, round the end of a closed chain.

@@ -23,6 +23,8 @@ namespace {
 constexpr int kMaxRounds = 60;
 /// A level with more than this part of the vertices of the next finer one is none.
 constexpr double kLeastGain = 0.95;
+constexpr double kMaxGrowth = 1e6;  ///< More changes nothing: f is what its Lipschitz condition and the domain allow.
+constexpr int kBisections = 14;     ///< Growth to about 0.1 %.
 
 void check_options(const CoarseningOptions& options) {
   const auto refuse = [](const char* name, double value, const char* range) {
@@ -34,6 +36,13 @@ void check_options(const CoarseningOptions& options) {
   if (!(options.growth > 1 && std::isfinite(options.growth))) refuse("the growth factor", options.growth, "above 1");
   if (!(options.lipschitz > 0 && options.lipschitz < 1))
     refuse("the Lipschitz constant", options.lipschitz, "in (0, 1)");
+  for (std::size_t i = 0; i < options.target_vertices.size(); ++i)
+    if (const std::size_t n = options.target_vertices[i]; n == 0 || (i > 0 && n >= options.target_vertices[i - 1]))
+      refuse("a number of vertices", static_cast<double>(n), "that is less than that of the next finer level");
+  if (!options.target_vertices.empty() && options.quasi_uniform)
+    throw OptionError(Fault{.id = "coarsen.bad_option",
+                            .message = "numbers of vertices are given, and a spacing that is not to be chosen freely",
+                            .fix = "give only one of the two"});
 }
 
 template <int D>
@@ -45,6 +54,7 @@ class Coarsener {
         fine_(mesh, domain_of(mesh, observer), options),
         spacing_(feature_spacing(fine_.place.domain)) {
     find_limit(spacing_);
+    is_kept_.resize(mesh.points.size(), 0);
     fitted_.resize(mesh.points.size(), std::numeric_limits<double>::infinity());
   }
 
@@ -79,12 +89,11 @@ class Coarsener {
   /// growth^i f_0, made Lipschitz, for i = 1 .. levels.
   [[nodiscard]] std::vector<Field> grown_spacings() const {
     std::vector<Field> fields;
-    Field f = fine_.initial;
+    Field f = options_.quasi_uniform ? fine_.floor : fine_.initial;
     const double least = *std::min_element(fine_.floor.begin(), fine_.floor.end());
     for (int i = 1; i <= options_.levels; ++i) {
       observer_.check_cancelled();
       if (options_.quasi_uniform) {
-        f = fine_.floor;
         for (double& value : f) value = std::max(value, std::pow(options_.growth, i) * least);
       } else {
         for (double& value : f) value *= options_.growth;
@@ -98,13 +107,7 @@ class Coarsener {
   /// Level 1 first.
   std::vector<PackedLevel<D>> pack_levels() {
     observer_.begin_stage("packing");
-    const std::vector<Field> grown = grown_spacings();
-    std::vector<PackedLevel<D>> levels(grown.size());
-    std::vector<std::uint8_t> is_kept(fine_.mesh.points.size(), 0);
-    for (std::size_t i = grown.size(); i-- > 0;) {
-      levels[i] = pack_one(grown[i], is_kept);
-      for (const VertexId v : levels[i].vertex) is_kept[v.value()] = 1;
-    }
+    std::vector<PackedLevel<D>> levels = options_.target_vertices.empty() ? pack_growing() : pack_numbers();
     // The boundary ends coarsening.
     std::size_t before = fine_.mesh.points.size();
     for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -118,7 +121,69 @@ class Coarsener {
     return levels;
   }
 
-  PackedLevel<D> pack_one(const Field& grown, const std::vector<std::uint8_t>& is_kept) {
+  std::vector<PackedLevel<D>> pack_growing() {
+    const std::vector<Field> grown = grown_spacings();
+    std::vector<PackedLevel<D>> levels(grown.size());
+    for (std::size_t i = grown.size(); i-- > 0;) {
+      levels[i] = pack_one(grown[i]);
+      levels[i].growth = std::pow(options_.growth, static_cast<double>(i + 1));
+      keep(levels[i]);
+    }
+    return levels;
+  }
+
+  std::vector<PackedLevel<D>> pack_numbers() {
+    std::vector<PackedLevel<D>> levels(options_.target_vertices.size());
+    double most = kMaxGrowth;
+    for (std::size_t i = levels.size(); i-- > 0;) {
+      levels[i] = pack_number(options_.target_vertices[i], most);
+      most = levels[i].growth;
+      keep(levels[i]);
+    }
+    return levels;
+  }
+
+  /// By bisection of the growth up to `most`. f has to shrink at other places for each growth: only those of the result
+  /// stay.
+  PackedLevel<D> pack_number(std::size_t n_wanted, double most) {
+    const std::vector<SpacingCap<D>> caps_before = caps_;
+    std::vector<SpacingCap<D>> caps;
+    const auto pack = [&](double growth) {
+      caps_ = caps_before;
+      find_limit(spacing_.with_caps(caps_));
+      Field f = fine_.initial;
+      for (double& value : f) value *= growth;
+      make_lipschitz(fine_.mesh, fine_.neighbors, options_.lipschitz, f);
+      PackedLevel<D> level = pack_one(f);
+      level.growth = growth;
+      return level;
+    };
+    PackedLevel<D> best = pack(most);
+    caps = caps_;
+    double low = 0, high = std::log(most);
+    for (int k = 0; k < kBisections && best.vertex.size() < n_wanted; ++k) {
+      const double middle = 0.5 * (low + high);
+      PackedLevel<D> level = pack(std::exp(middle));
+      const std::size_t n = level.vertex.size();
+      (n <= n_wanted ? high : low) = middle;
+      if (n > n_wanted || n < best.vertex.size()) continue;
+      best = std::move(level);
+      caps = caps_;
+    }
+    caps_ = std::move(caps);
+    find_limit(spacing_.with_caps(caps_));
+    return best;
+  }
+
+  /// The vertices of a level stay on all finer ones, with radii that are no larger.
+  void keep(const PackedLevel<D>& level) {
+    for (const SphereId s : ids(level.packing.radius)) {
+      is_kept_[level.vertex[s.value()].value()] = 1;
+      fitted_[level.vertex[s.value()]] = level.packing.radius[s];
+    }
+  }
+
+  PackedLevel<D> pack_one(const Field& grown) {
     std::size_t n_before = 0;
     for (int round = 0; round <= kMaxRounds; ++round) {
       Field f(grown.size());
@@ -126,7 +191,7 @@ class Coarsener {
         const VertexId v(i);
         f[v] = std::min(std::max(fine_.floor[v], std::min(grown[v], limit_[v])), fitted_[v]);
       });
-      PackedLevel<D> level = pack_level(fine_, f, is_kept, observer_);
+      PackedLevel<D> level = pack_level(fine_, f, is_kept_, observer_);
       if (level.faults.empty()) {
         level.spacing = std::move(f);
         level.faults = complete_level(fine_, options_.lipschitz, level, observer_);
@@ -136,7 +201,6 @@ class Coarsener {
           continue;
         }
         if (!level.faults.empty()) find_epsilon(level);
-        for (const SphereId s : ids(level.packing.radius)) fitted_[level.vertex[s.value()]] = level.packing.radius[s];
         return level;
       }
       shrink(level.faults);
@@ -180,6 +244,7 @@ class Coarsener {
   CoarseLevel<D> make_level(PackedLevel<D>&& packed) {
     CoarseLevel<D> level;
     level.epsilon = packed.epsilon;
+    level.growth = packed.growth;
     std::vector<VertexId> vertex = std::move(packed.vertex);
     const std::vector<Vec<D>> centers = packed.packing.center.raw();
     level.mesh = triangulate(fine_.place.domain, std::move(packed.packing), observer_);
@@ -210,8 +275,9 @@ class Coarsener {
   Observer& observer_;
   FineMesh<D> fine_;
   Spacing<D> spacing_;
-  Field limit_;   ///< What the domain and the caps allow f to be.
-  Field fitted_;  ///< The radii of vertices that are in a coarser level.
+  Field limit_;                        ///< What the domain and the caps allow f to be.
+  std::vector<std::uint8_t> is_kept_;  ///< By vertex: whether it is in a coarser level.
+  Field fitted_;                       ///< The radii of vertices that are in a coarser level.
   std::vector<SpacingCap<D>> caps_;
 };
 

@@ -15,6 +15,7 @@ struct PackedLevel {
   std::vector<SpacingCap<D>> faults;   ///< Where f must shrink, because a protecting ball is not empty.
   IdVector<VertexId, double> spacing;  ///< f at every vertex of the finest mesh.
   double epsilon = 0;                  ///< As CoarseLevel::epsilon.
+  double growth = 1;                   ///< f = growth f_0, made Lipschitz.
 };
 
 /// Packs the vertices of `fine` with radii `f`. All with `is_kept` join; then as many others as fit.

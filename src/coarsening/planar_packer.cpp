@@ -71,6 +71,28 @@ PlanarPacker::PlanarPacker(const Mesh<2>& mesh, const ChainedMesh& fine, Initial
   std::vector<Box<2>> boxes;
   for (const Vec<2>& x : fine.points) boxes.emplace_back(x, x);
   tree_ = BoxTree<2>(boxes, initial_);
+  find_anchor_gaps();
+}
+
+void PlanarPacker::find_anchor_gaps() {
+  std::vector<std::uint32_t> anchors;
+  std::vector<Box<2>> boxes;
+  for (std::uint32_t v = 0; v < fine_->points.size(); ++v)
+    if (fine_->is_anchor[v] != 0) {
+      anchors.push_back(v);
+      boxes.emplace_back(fine_->points[v], fine_->points[v]);
+    }
+  anchor_gap_.assign(fine_->points.size(), std::numeric_limits<double>::infinity());
+  const BoxTree<2> tree(boxes);
+  for (const std::uint32_t v : anchors) {
+    const Vec<2>& x = fine_->points[v];
+    double nearest_sq = std::numeric_limits<double>::infinity();
+    tree.for_each([&](const Box<2>& box) { return box.distance_sq(x) < nearest_sq; },
+                  [&](std::uint32_t i) {
+                    if (anchors[i] != v) nearest_sq = std::min(nearest_sq, distance_sq(x, fine_->points[anchors[i]]));
+                  });
+    anchor_gap_[v] = 0.5 * std::sqrt(nearest_sq);
+  }
 }
 
 std::vector<double> PlanarPacker::spacing(const PackingWish& wish, const std::vector<double>& reduction) const {
@@ -88,7 +110,7 @@ std::vector<double> PlanarPacker::spacing(const PackingWish& wish, const std::ve
   std::vector<Box<2>> boxes;
   std::vector<double> values;
   for (std::size_t v = 0; v < n; ++v) {
-    double value = f[v];
+    double value = std::min(f[v], anchor_gap_[v]);
     if (!reduction.empty() && reduction[v] < 1)
       value = std::min(value, std::max(reduction[v] * wish.growth * initial_[v], nearest_[v]));
     if (!wish.bound.empty()) value = std::min(value, wish.bound[v]);
@@ -195,6 +217,9 @@ void PlanarPacker::choose_tips(const PackingWish& wish, State& state) const {
 void PlanarPacker::choose_tip(const ChainPlace& tip, const PackingWish& wish, State& state) const {
   const auto& vertices = fine_->chains[tip.chain].vertices;
   const std::size_t n = vertices.size();
+  // How far a side goes: round a closed chain, to the end of an open one.
+  const bool is_closed = fine_->chains[tip.chain].is_closed;
+  const std::size_t n_left = is_closed ? n : n - tip.position, n_right = is_closed ? n : tip.position + 1;
   const std::uint32_t a = vertices[tip.position];
   if (!state.level.has(a) && state.is_blocked[a] != 0) return;
   const auto at = [&](std::size_t steps, bool is_forward) {
@@ -212,13 +237,13 @@ void PlanarPacker::choose_tip(const ChainPlace& tip, const PackingWish& wish, St
   std::vector<std::uint32_t> ladder = {a};
   std::uint32_t left = a, right = a;
   std::size_t next_left = 1, next_right = 1;
-  for (std::size_t i = next_left; i + next_right < n; ++i) {
+  for (std::size_t i = next_left; i < n_left && i + next_right < n; ++i) {
     const std::uint32_t b = at(i, true);
     if (state.level.has(b)) break;
     if (!is_free(b, left)) continue;
     std::optional<std::size_t> best;
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t j = next_right; i + j < n; ++j) {
+    for (std::size_t j = next_right; j < n_right && i + j < n; ++j) {
       const std::uint32_t c = at(j, false);
       if (state.level.has(c)) break;
       if (!is_free(c, right) || in_ball(left, b, c) || in_ball(right, c, b)) continue;

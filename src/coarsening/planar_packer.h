@@ -60,6 +60,7 @@ class PlanarPacker {
 
  private:
   struct State;
+  void find_anchor_gaps();
   [[nodiscard]] std::vector<double> spacing(const PackingWish& wish, const std::vector<double>& reduction) const;
   /// False if f was reduced somewhere and the boundary has to be packed anew.
   bool pack_boundary(const PackingWish& wish, State& state) const;
@@ -80,8 +81,9 @@ class PlanarPacker {
   const ChainedMesh* fine_;
   Observer* observer_;
   BoxTree<2> tree_;
-  std::vector<double> initial_;  ///< f_0.
-  std::vector<double> nearest_;  ///< Half the distance to the nearest neighbor: with it all vertices are packed.
+  std::vector<double> initial_;     ///< f_0.
+  std::vector<double> anchor_gap_;  ///< At anchors, half the distance to the nearest other one: all of them are packed.
+  std::vector<double> nearest_;     ///< Half the distance to the nearest neighbor: with it all vertices are packed.
 };
 
 }  // namespace voropack

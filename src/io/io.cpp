@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/number_text.h"
 #include "io/atomic_file.h"
 #include "io/readers.h"
 #include "io/writers.h"
@@ -85,6 +86,30 @@ void write_mesh(const Mesh<D>& mesh, const std::filesystem::path& path, const Me
                           .message = fmt::format("no mesh format has the extension {}", io::quote(extension)),
                           .fix = "end the name with .node or .vtu",
                           .file = path.string()});
+}
+
+void write_matrix_market(std::span<const std::uint64_t> offsets, std::span<const std::uint32_t> columns,
+                         std::span<const double> values, std::size_t n_columns, const std::filesystem::path& path) {
+  constexpr std::size_t kPieceBytes = std::size_t{1} << 18U;
+  io::AtomicFile file(path);
+  std::string text = "%%MatrixMarket matrix coordinate real general\n";
+  text += fmt::format("{} {} {}\n", offsets.size() - 1, n_columns, values.size());
+  for (std::size_t row = 0; row + 1 < offsets.size(); ++row) {
+    for (std::uint64_t k = offsets[row]; k < offsets[row + 1]; ++k) {
+      append_number(text, row + 1);
+      text += ' ';
+      append_number(text, columns[k] + std::uint64_t{1});
+      text += ' ';
+      append_number(text, values[k]);
+      text += '\n';
+    }
+    if (text.size() < kPieceBytes) continue;
+    file.write(text);
+    text.clear();
+  }
+  file.write(text);
+  file.finish();
+  file.rename();
 }
 
 void write_text(const std::string& text, const std::filesystem::path& path) {
