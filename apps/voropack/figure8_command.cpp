@@ -168,8 +168,6 @@ Command add_figure8_command(CLI::App& root, CommonOptions& common) {
       root.get_subcommand("paper")->add_subcommand("figure8", "Coarsening beyond the boundary: angles per level");
   const auto arguments = std::make_shared<Figure8Arguments>();
   arguments->packed.improvement = LocalImprovement::kPacked;
-  arguments->packed.restarts = 2;
-  arguments->packed.lipschitz = 0.05;
   app->add_option(
          "--mesh", arguments->mesh,
          "The mesh to coarsen: .node (with .ele) or .vtu. The paper's is AG-Monien/airfoil1 of the SuiteSparse\n"

@@ -82,7 +82,7 @@ CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, const CoarseningOptions& opt
 /// What may be done for better shapes once a level is packed.
 enum class LocalImprovement : std::uint8_t {
   kNone,    ///< Nothing.
-  kPacked,  ///< Vertices are exchanged, but f-spheres do not overlap.
+  kPacked,  ///< Vertices are exchanged, added and removed, but f-spheres do not overlap.
   kFree,    ///< Vertices are exchanged, added and removed, and `largest_overlap` says how much packing that gave up.
 };
 

@@ -80,7 +80,7 @@ class Improver {
   }
 
   void try_exchange(std::optional<std::uint32_t> out, std::optional<std::uint32_t> in) {
-    if (wish_.is_packing_kept && (!in || packer_.overlap(packed_, *in, out) > 0)) return;
+    if (wish_.is_packing_kept && in && packer_.overlap(packed_, *in, out) > 0) return;
     if (level_.exchange(out, in, [&](double change) { return accept(change); })) ++n_exchanges_;
   }
 

@@ -14,7 +14,7 @@ struct ImprovementWish {
   std::size_t max_vertices = 0;         ///< or added up to this.
   std::uint64_t seed = 0;
   std::size_t trials = 300;      ///< Per vertex.
-  bool is_packing_kept = false;  ///< f-spheres do not overlap more than before, and none is removed.
+  bool is_packing_kept = false;  ///< No vertex comes whose f-sphere overlaps another.
 };
 
 /// Exchanges a vertex for one near it, adds or removes one where the sum of the triangles' costs, which the worst ones

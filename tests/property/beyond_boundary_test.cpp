@@ -251,5 +251,23 @@ TEST(BeyondBoundary, AirfoilBeatsFigure8) {
   }
 }
 
+TEST(BeyondBoundary, PackedAirfoilBeatsFigure8) {
+  const auto path = test::shared_data("airfoil/airfoil.node");
+  if (!path) GTEST_SKIP() << "no shared data";
+  const auto fine = std::get<Mesh<2>>(read_mesh(*path));
+  BeyondBoundaryOptions options;
+  options.target_vertices = {1039, 416, 217, 86};
+  options.improvement = LocalImprovement::kPacked;
+  constexpr std::array<double, 4> kPaper = {15.45, 20.09, 20.21, 17.38};
+  const auto levels = coarsen_beyond_boundary(fine, options);
+  expect_laws(fine, levels, options);
+  for (std::size_t i = 0; i < 4; ++i) {
+    SCOPED_TRACE(i + 1);
+    EXPECT_LE(levels[i].mesh.points.size(), options.target_vertices[i]);
+    EXPECT_EQ(levels[i].largest_overlap, 0);
+    EXPECT_GT(angles_of(levels[i].mesh).least, kPaper[i]);
+  }
+}
+
 }  // namespace
 }  // namespace voropack
