@@ -1,7 +1,9 @@
 // voropack coarsen: a hierarchy of coarser meshes, node-nested, for multigrid.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -31,6 +33,7 @@ struct CoarsenArguments {
   bool is_beyond = false;
   std::optional<double> lipschitz;
   bool redelaunay = false;
+  bool counts_intersections = false;
 };
 
 Json options_json(const CoarsenArguments& arguments) {
@@ -63,6 +66,8 @@ struct LevelFigures {
   Certificate certificate;
   double ratio = 0;  ///< Vertices over those of the next finer mesh.
   double epsilon = 0, growth = 1, boundary_distance = 0;
+  /// Simplices of the next finer mesh that one of this level meets.
+  std::optional<double> most_intersections, mean_intersections;
   // Beyond the boundary.
   std::optional<double> area_change, lipschitz, largest_overlap;
   std::optional<std::size_t> n_exchanges;
@@ -80,6 +85,8 @@ Json level_json(const LevelFigures& level) {
   for (const auto& region : level.quality.regions) measure += region.volume;
   json["volume"] = measure;
   json["boundary_distance"] = level.boundary_distance;
+  if (level.most_intersections)
+    json["intersections"] = {{"max", *level.most_intersections}, {"mean", *level.mean_intersections}};
   if (level.area_change) json["area_change"] = *level.area_change;
   if (level.lipschitz) json["lipschitz"] = *level.lipschitz;
   if (level.largest_overlap) json["largest_overlap"] = *level.largest_overlap;
@@ -118,10 +125,13 @@ LevelFigures judge(const CoarseLevel<D>& level, const Domain<D>* domain, const C
   return figures;
 }
 
-std::string level_table(std::size_t n_finest, const std::vector<LevelFigures>& levels, bool is_beyond) {
+std::string level_table(std::size_t n_finest, const std::vector<LevelFigures>& levels,
+                        const CoarsenArguments& arguments) {
+  const bool is_beyond = arguments.is_beyond, has_counts = arguments.counts_intersections;
   std::string text = fmt::format("{:<7}{:>11}{:>8}{:>12}{:>13}{:>11}{:>11}", "level", "vertices", "ratio", "simplices",
                                  "max R / l", "min angle", "max angle");
   if (is_beyond) text += fmt::format("{:>12}{:>12}{:>10}", "distance", "area, %", "overlap");
+  if (has_counts) text += fmt::format("{:>11}{:>12}", "meets max", "meets mean");
   text += fmt::format("  certificate\n{:<7}{:>11}\n", 0, grouped(n_finest));
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const LevelFigures& level = levels[i];
@@ -131,6 +141,7 @@ std::string level_table(std::size_t n_finest, const std::vector<LevelFigures>& l
     if (is_beyond)
       text += fmt::format("{:>12.3g}{:>12.3g}{:>10.2g}", level.boundary_distance, 100 * level.area_change.value_or(0),
                           level.largest_overlap.value_or(0));
+    if (has_counts) text += fmt::format("{:>11}{:>12.4g}", *level.most_intersections, *level.mean_intersections);
     text += fmt::format("  {}\n", level.certificate.ok ? "ok" : "failed");
   }
   return text;
@@ -178,6 +189,13 @@ struct Levels {
 };
 
 template <int D>
+void count(const Mesh<D>& finer, const CoarseLevel<D>& level, LevelFigures& figures) {
+  const auto counts = count_intersections(finer, level);
+  figures.most_intersections = *std::max_element(counts.begin(), counts.end());
+  figures.mean_intersections = std::accumulate(counts.begin(), counts.end(), 0.0) / static_cast<double>(counts.size());
+}
+
+template <int D>
 void make_levels(const Mesh<D>& mesh, const CoarsenArguments& arguments, Report& report, Observer& observer,
                  Levels<D>& out) {
   timed(report.times, "coarsen", [&] {
@@ -189,11 +207,12 @@ void make_levels(const Mesh<D>& mesh, const CoarsenArguments& arguments, Report&
   for (const CoarseLevel<D>& level : out.hierarchy.levels) out.all.push_back(&level);
   if constexpr (D == 2)
     for (const SimplifiedLevel& level : out.simplified) out.all.push_back(&level);
-  std::size_t n_finer = mesh.points.size();
+  const Mesh<D>* finer = &mesh;
   for (std::size_t i = 0; i < out.all.size(); ++i) {
     const CoarseLevel<D>& level = *out.all[i];
-    LevelFigures figures =
-        judge<D>(level, arguments.is_beyond ? nullptr : &out.hierarchy.domain, arguments, n_finer, report, observer);
+    LevelFigures figures = judge<D>(level, arguments.is_beyond ? nullptr : &out.hierarchy.domain, arguments,
+                                    finer->points.size(), report, observer);
+    if (arguments.counts_intersections) timed(report.times, "intersections", [&] { count(*finer, level, figures); });
     if (arguments.is_beyond) {
       figures.area_change = out.simplified[i].area_change;
       figures.lipschitz = out.simplified[i].lipschitz;
@@ -201,7 +220,7 @@ void make_levels(const Mesh<D>& mesh, const CoarsenArguments& arguments, Report&
       figures.n_exchanges = out.simplified[i].n_exchanges;
     }
     out.figures.push_back(std::move(figures));
-    n_finer = level.mesh.points.size();
+    finer = &level.mesh;
   }
 }
 
@@ -223,7 +242,7 @@ ExitCode coarsen_mesh(const Mesh<D>& mesh, const CoarsenArguments& arguments, St
     report.levels->push_back(level_json(level));
     ok = ok && level.certificate.ok;
   }
-  session.finish(report, level_table(mesh.points.size(), levels.figures, arguments.is_beyond) +
+  session.finish(report, level_table(mesh.points.size(), levels.figures, arguments) +
                              remarks(levels.figures, arguments) +
                              fmt::format("levels: {}\n", arguments.folder.string()));
   return ok ? ExitCode::kDone : ExitCode::kCheckFailed;
@@ -322,6 +341,9 @@ Command add_coarsen_command(CLI::App& root, CommonOptions& common) {
       ->required();
   add_level_options(*app, *arguments);
   add_beyond_options(*app, *arguments);
+  app->add_flag("--intersections", arguments->counts_intersections,
+                "Count the simplices of the next finer mesh that each one of a level meets")
+      ->excludes("--beyond-boundary");
   add_redelaunay_option(*app, arguments->redelaunay);
   add_common_options(*app, common);
   app->footer(

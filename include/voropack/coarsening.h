@@ -79,6 +79,13 @@ template <int D>
 CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, const CoarseningOptions& options = {},
                                Observer& observer = silent_observer());
 
+/// For each simplex of a level, how many of the next finer mesh it meets with its interior: what Theorem 4.1 bounds.
+///
+/// Contacts are told from intersections exactly, but for two edges in space: there up to 1e-12 of the simplices' size.
+/// Both meshes fill the same domain. Cost: proportional to the number of intersections, some ten times O(n).
+template <int D>
+IdVector<SimplexId, std::uint32_t> count_intersections(const Mesh<D>& finer, const CoarseLevel<D>& level);
+
 /// What may be done for better shapes once a level is packed.
 enum class LocalImprovement : std::uint8_t {
   kNone,    ///< Nothing.
