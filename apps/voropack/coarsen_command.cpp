@@ -34,6 +34,7 @@ struct CoarsenArguments {
   std::optional<double> lipschitz;
   bool redelaunay = false;
   bool counts_intersections = false;
+  std::vector<std::string> level_boundaries;  ///< K=FILE.
 };
 
 Json options_json(const CoarsenArguments& arguments) {
@@ -51,6 +52,7 @@ Json options_json(const CoarsenArguments& arguments) {
   json["order"] = name_of(kOrderNames, options.order);
   json["quasi_uniform"] = options.quasi_uniform;
   json["redelaunay"] = arguments.redelaunay;
+  if (!arguments.level_boundaries.empty()) json["level_boundary"] = arguments.level_boundaries;
   json["beyond_boundary"] = arguments.is_beyond;
   if (!arguments.is_beyond) return json;
   json["improve"] = name_of(kImprovementNames, arguments.beyond.improvement);
@@ -128,9 +130,11 @@ LevelFigures judge(const CoarseLevel<D>& level, const Domain<D>* domain, const C
 std::string level_table(std::size_t n_finest, const std::vector<LevelFigures>& levels,
                         const CoarsenArguments& arguments) {
   const bool is_beyond = arguments.is_beyond, has_counts = arguments.counts_intersections;
+  const bool has_distance = is_beyond || !arguments.level_boundaries.empty();
   std::string text = fmt::format("{:<7}{:>11}{:>8}{:>12}{:>13}{:>11}{:>11}", "level", "vertices", "ratio", "simplices",
                                  "max R / l", "min angle", "max angle");
-  if (is_beyond) text += fmt::format("{:>12}{:>12}{:>10}", "distance", "area, %", "overlap");
+  if (has_distance) text += fmt::format("{:>12}", "distance");
+  if (is_beyond) text += fmt::format("{:>12}{:>10}", "area, %", "overlap");
   if (has_counts) text += fmt::format("{:>11}{:>12}", "meets max", "meets mean");
   text += fmt::format("  certificate\n{:<7}{:>11}\n", 0, grouped(n_finest));
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -138,9 +142,8 @@ std::string level_table(std::size_t n_finest, const std::vector<LevelFigures>& l
     text += fmt::format("{:<7}{:>11}{:>8.3f}{:>12}{:>13.4g}{:>11.2f}{:>11.2f}", i + 1,
                         grouped(level.quality.n_vertices), level.ratio, grouped(level.quality.n_simplices),
                         level.quality.radius_edge.max, level.quality.angle_deg.min, level.quality.angle_deg.max);
-    if (is_beyond)
-      text += fmt::format("{:>12.3g}{:>12.3g}{:>10.2g}", level.boundary_distance, 100 * level.area_change.value_or(0),
-                          level.largest_overlap.value_or(0));
+    if (has_distance) text += fmt::format("{:>12.3g}", level.boundary_distance);
+    if (is_beyond) text += fmt::format("{:>12.3g}{:>10.2g}", 100 * *level.area_change, *level.largest_overlap);
     if (has_counts) text += fmt::format("{:>11}{:>12.4g}", *level.most_intersections, *level.mean_intersections);
     text += fmt::format("  {}\n", level.certificate.ok ? "ok" : "failed");
   }
@@ -179,6 +182,34 @@ void write_levels(const std::vector<const CoarseLevel<D>*>& levels, const fs::pa
   }
 }
 
+const CLI::Validator kLevelFile(
+    [](const std::string& text) -> std::string {
+      const std::size_t at = text.find('=');
+      const bool is_fine = at != std::string::npos && at > 0 && at < 4 && at + 1 < text.size() &&
+                           text.find_first_not_of("0123456789") == at && text[0] != '0';
+      return is_fine ? "" : "not of the form K=FILE with a level K from 1 on: " + text;
+    },
+    "K=FILE");
+
+template <int D>
+std::vector<LevelBoundary<D>> read_boundaries(const std::vector<std::string>& texts, Observer& observer) {
+  std::vector<LevelBoundary<D>> boundaries;
+  for (const std::string& text : texts) {
+    const std::size_t at = text.find('=');
+    const fs::path path = text.substr(at + 1);
+    const AnyDomainInput any = read_domain(path, observer);
+    const auto* const input = std::get_if<DomainInput<D>>(&any);
+    if (input == nullptr)
+      throw InputError(Fault{.id = "cli.dimension",
+                             .message = "the mesh and the boundary of a level have different dimensions",
+                             .fix = fmt::format("give a {}D domain.", D),
+                             .file = path.string()});
+    // Its points are vertices of the mesh: none may move.
+    boundaries.push_back({std::stoi(text.substr(0, at)), build_domain(*input, {.merge_distance = 0}, observer)});
+  }
+  return boundaries;
+}
+
 /// Levels of either kind, and what is known of each.
 template <int D>
 struct Levels {
@@ -198,11 +229,13 @@ void count(const Mesh<D>& finer, const CoarseLevel<D>& level, LevelFigures& figu
 template <int D>
 void make_levels(const Mesh<D>& mesh, const CoarsenArguments& arguments, Report& report, Observer& observer,
                  Levels<D>& out) {
+  std::vector<LevelBoundary<D>> boundaries =
+      timed(report.times, "read", [&] { return read_boundaries<D>(arguments.level_boundaries, observer); });
   timed(report.times, "coarsen", [&] {
     if (arguments.is_beyond)
       out.simplified = coarsen_beyond_boundary(mesh, arguments.beyond, observer);
     else
-      out.hierarchy = coarsen(mesh, arguments.options, observer);
+      out.hierarchy = coarsen<D>(mesh, std::move(boundaries), arguments.options, observer);
   });
   for (const CoarseLevel<D>& level : out.hierarchy.levels) out.all.push_back(&level);
   if constexpr (D == 2)
@@ -210,7 +243,7 @@ void make_levels(const Mesh<D>& mesh, const CoarsenArguments& arguments, Report&
   const Mesh<D>* finer = &mesh;
   for (std::size_t i = 0; i < out.all.size(); ++i) {
     const CoarseLevel<D>& level = *out.all[i];
-    LevelFigures figures = judge<D>(level, arguments.is_beyond ? nullptr : &out.hierarchy.domain, arguments,
+    LevelFigures figures = judge<D>(level, arguments.is_beyond ? nullptr : &out.hierarchy.domain_of(i), arguments,
                                     finer->points.size(), report, observer);
     if (arguments.counts_intersections) timed(report.times, "intersections", [&] { count(*finer, level, figures); });
     if (arguments.is_beyond) {
@@ -250,6 +283,7 @@ ExitCode coarsen_mesh(const Mesh<D>& mesh, const CoarsenArguments& arguments, St
 
 ExitCode run_coarsen(const CoarsenArguments& arguments, Session& session) {
   session.outputs.protect(arguments.mesh);
+  for (const std::string& text : arguments.level_boundaries) session.outputs.protect(text.substr(text.find('=') + 1));
   session.observer.begin_stage("read");
   StageTimes times;
   const AnyMesh mesh = timed(
@@ -290,12 +324,22 @@ void add_level_options(CLI::App& app, CoarsenArguments& arguments) {
                "Spacing max(growth^i min f0, f0) of algorithm COARSEN, for meshes of about one size");
 }
 
+void add_boundary_option(CLI::App& app, CoarsenArguments& arguments) {
+  app.add_option("--level-boundary", arguments.level_boundaries,
+                 "Domain whose boundary level K and coarser ones get; its points are vertices of MESH. May be given\n"
+                 "again for another level")
+      ->check(kLevelFile)
+      ->allow_extra_args(false)
+      ->type_name("K=FILE");
+}
+
 void add_beyond_options(CLI::App& app, CoarsenArguments& arguments) {
   BeyondBoundaryOptions& options = arguments.beyond;
   CLI::Option* const beyond =
       app.add_flag("--beyond-boundary", arguments.is_beyond,
                    "In the plane: simplify the boundary with its mesh, and report how far it moves")
-          ->excludes("--quasi-uniform");
+          ->excludes("--quasi-uniform")
+          ->excludes("--level-boundary");
   app.add_option("--feature-angle", options.feature_angle_deg,
                  "Beyond the boundary: vertices where it turns by more than this stay on all levels")
       ->check(positive_number(180))
@@ -340,10 +384,12 @@ Command add_coarsen_command(CLI::App& root, CommonOptions& common) {
   app->add_option("-o,--output", arguments->folder, "Folder for level-1.node, ..., prolongation-1.mtx, ...")
       ->required();
   add_level_options(*app, *arguments);
+  add_boundary_option(*app, *arguments);
   add_beyond_options(*app, *arguments);
   app->add_flag("--intersections", arguments->counts_intersections,
                 "Count the simplices of the next finer mesh that each one of a level meets")
-      ->excludes("--beyond-boundary");
+      ->excludes("--beyond-boundary")
+      ->excludes("--level-boundary");
   add_redelaunay_option(*app, arguments->redelaunay);
   add_common_options(*app, common);
   app->footer(

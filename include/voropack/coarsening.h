@@ -59,11 +59,28 @@ struct CoarseLevel {
   double boundary_distance = 0;  ///< How far the boundary is from that of the finest mesh, at most. Length.
 };
 
+/// A boundary of the user's own for a level and all coarser ones, up to the next that has one.
+template <int D>
+struct LevelBoundary {
+  int level = 1;  ///< >= 1.
+  /// Its points are vertices of the finest mesh, whether these are on its boundary or inside.
+  Domain<D> domain;
+};
+
 /// Levels 1, 2, ..., each coarser than the one before.
 template <int D>
 struct CoarseningHierarchy {
   Domain<D> domain;  ///< The polytopes that the boundary of the finest mesh consists of.
   std::vector<CoarseLevel<D>> levels;
+  std::vector<LevelBoundary<D>> boundaries;  ///< As they were given, by ascending level.
+
+  /// What level i + 1, levels[i], is a mesh of.
+  [[nodiscard]] const Domain<D>& domain_of(std::size_t i) const {
+    const Domain<D>* found = &domain;
+    for (const LevelBoundary<D>& boundary : boundaries)
+      if (static_cast<std::size_t>(boundary.level) <= i + 1) found = &boundary.domain;
+    return *found;
+  }
 };
 
 /// Coarsens a boundary-conforming Delaunay mesh. The vertices of each level are some of those of the level before, and
@@ -79,9 +96,19 @@ template <int D>
 CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, const CoarseningOptions& options = {},
                                Observer& observer = silent_observer());
 
+/// The same with boundaries for some levels. Vertices of the finest mesh on such a boundary may join it; those outside
+/// of it have no place on its level. Interpolation at them is from the nearest simplex. `boundary_distance` is the
+/// largest distance of boundary vertices of the level and of the finest mesh from the boundary of the other.
+///
+/// Throws: as above; InputError coarsen.level_boundary if a point of a boundary is no vertex of the finest mesh, if a
+/// coarser level reaches out of it, or if its protecting balls hold vertices and there are none on it to mend that.
+template <int D>
+CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, std::vector<LevelBoundary<D>> boundaries,
+                               const CoarseningOptions& options = {}, Observer& observer = silent_observer());
+
 /// For each simplex of a level, how many of the next finer mesh it meets with its interior: what Theorem 4.1 bounds.
 ///
-/// Contacts are told from intersections exactly, but for two edges in space: there up to 1e-12 of the simplices' size.
+/// Simplices that overlap by less than a millionth of their size only touch.
 /// Both meshes fill the same domain. Cost: proportional to the number of intersections, some ten times O(n).
 template <int D>
 IdVector<SimplexId, std::uint32_t> count_intersections(const Mesh<D>& finer, const CoarseLevel<D>& level);

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "base/parallel.h"
 #include "coarsening/completion.h"
 #include "coarsening/fine_mesh.h"
+#include "coarsening/level_boundary.h"
 #include "coarsening/level_packer.h"
 #include "coarsening/prolongation.h"
+#include "geom/box_tree.h"
 #include "geom/circumcenter.h"
 #include "voropack/coarsening.h"
 #include "voropack/delaunay.h"
@@ -21,6 +24,8 @@ namespace {
 
 /// So often f shrinks on one level before the mesh is given up: it has got to the finest mesh's by then.
 constexpr int kMaxRounds = 60;
+/// The same with a boundary that has no finer vertices to fall back to.
+constexpr int kMaxOwnRounds = 20;
 /// A level with more than this part of the vertices of the next finer one is none.
 constexpr double kLeastGain = 0.95;
 constexpr double kMaxGrowth = 1e6;  ///< More changes nothing: f is what its Lipschitz condition and the domain allow.
@@ -48,12 +53,12 @@ void check_options(const CoarseningOptions& options) {
 template <int D>
 class Coarsener {
  public:
-  Coarsener(const Mesh<D>& mesh, const CoarseningOptions& options, Observer& observer)
-      : options_(options),
-        observer_(observer),
-        fine_(mesh, domain_of(mesh, observer), options),
-        spacing_(feature_spacing(fine_.place.domain)) {
-    find_limit(spacing_);
+  Coarsener(const Mesh<D>& mesh, std::vector<LevelBoundary<D>> boundaries, const CoarseningOptions& options,
+            Observer& observer)
+      : options_(options), observer_(observer), boundaries_(std::move(boundaries)) {
+    add_ground(mesh, {domain_of(mesh, observer), {}});
+    for (const LevelBoundary<D>& boundary : boundaries_) add_ground(mesh, place_in_boundary(mesh, boundary));
+    ground_ = grounds_.back().get();
     is_kept_.resize(mesh.points.size(), 0);
     fitted_.resize(mesh.points.size(), std::numeric_limits<double>::infinity());
   }
@@ -62,42 +67,70 @@ class Coarsener {
     std::vector<PackedLevel<D>> packed = pack_levels();
     CoarseningHierarchy<D> hierarchy;
     observer_.begin_stage("coarsening");
-    for (PackedLevel<D>& level : packed) {
+    for (std::size_t i = 0; i < packed.size(); ++i) {
       observer_.check_cancelled();
-      hierarchy.levels.push_back(make_level(std::move(level)));
+      ground_ = grounds_[ground_of(i)].get();
+      hierarchy.levels.push_back(make_level(std::move(packed[i])));
+      if (ground_of(i) > 0)
+        hierarchy.levels.back().boundary_distance = boundary_distance(ground_->fine.mesh, hierarchy.levels.back().mesh);
     }
     link_levels(hierarchy);
-    hierarchy.domain = std::move(fine_.place.domain);
+    for (std::size_t k = 0; k < boundaries_.size(); ++k)
+      boundaries_[k].domain = std::move(grounds_[k + 1]->fine.place.domain);
+    hierarchy.boundaries = std::move(boundaries_);
+    hierarchy.domain = std::move(grounds_[0]->fine.place.domain);
     return hierarchy;
   }
 
  private:
   using Field = IdVector<VertexId, double>;
 
-  /// What the domain allows f to be: b-Lipschitz, and small where polytopes are near to each other.
-  Spacing<D> feature_spacing(const Domain<D>& domain) const {
-    SpacingOptions spacing;
-    spacing.gradation = std::min(options_.lipschitz, 0.4);
-    return build_spacing<D>(domain, {}, spacing, observer_);
+  /// A boundary, which vertices are where on it, and what it allows f to be: b-Lipschitz, and small where polytopes are
+  /// near to each other.
+  struct Ground {
+    Ground(const Mesh<D>& mesh, PlacedMesh<D> placed, const CoarseningOptions& options, Observer& observer)
+        : fine(mesh, std::move(placed.place), options, std::move(placed.is_outside)),
+          spacing(build_spacing<D>(fine.place.domain, {}, {.gradation = std::min(options.lipschitz, 0.4)}, observer)) {}
+    FineMesh<D> fine;
+    Spacing<D> spacing;
+    std::vector<SpacingCap<D>> caps;
+    Field limit;  ///< The spacing with the caps, at the vertices.
+  };
+
+  void add_ground(const Mesh<D>& mesh, PlacedMesh<D> placed) {
+    grounds_.push_back(std::make_unique<Ground>(mesh, std::move(placed), options_, observer_));
+    ground_ = grounds_.back().get();
+    find_limit();
   }
 
-  void find_limit(const Spacing<D>& spacing) {
-    limit_.resize(fine_.mesh.points.size());
-    parallel_for(limit_.size(), [&](std::size_t v) { limit_[VertexId(v)] = spacing(fine_.mesh.points[VertexId(v)]); });
+  /// Of level i + 1: the last boundary that is given for it or a finer level, or the mesh's own.
+  [[nodiscard]] std::size_t ground_of(std::size_t i) const {
+    std::size_t k = 0;
+    while (k < boundaries_.size() && static_cast<std::size_t>(boundaries_[k].level) <= i + 1) ++k;
+    return k;
+  }
+
+  [[nodiscard]] const FineMesh<D>& fine() const { return ground_->fine; }
+
+  void find_limit() {
+    const Spacing<D> spacing = ground_->caps.empty() ? ground_->spacing : ground_->spacing.with_caps(ground_->caps);
+    Field& limit = ground_->limit;
+    limit.resize(fine().mesh.points.size());
+    parallel_for(limit.size(), [&](std::size_t v) { limit[VertexId(v)] = spacing(fine().mesh.points[VertexId(v)]); });
   }
 
   /// growth^i f_0, made Lipschitz, for i = 1 .. levels.
   [[nodiscard]] std::vector<Field> grown_spacings() const {
     std::vector<Field> fields;
-    Field f = options_.quasi_uniform ? fine_.floor : fine_.initial;
-    const double least = *std::min_element(fine_.floor.begin(), fine_.floor.end());
+    Field f = options_.quasi_uniform ? fine().floor : fine().initial;
+    const double least = *std::min_element(fine().floor.begin(), fine().floor.end());
     for (int i = 1; i <= options_.levels; ++i) {
       observer_.check_cancelled();
       if (options_.quasi_uniform) {
         for (double& value : f) value = std::max(value, std::pow(options_.growth, i) * least);
       } else {
         for (double& value : f) value *= options_.growth;
-        make_lipschitz(fine_.mesh, fine_.neighbors, options_.lipschitz, f);
+        make_lipschitz(fine().mesh, fine().neighbors, options_.lipschitz, f);
       }
       fields.push_back(f);
     }
@@ -109,7 +142,7 @@ class Coarsener {
     observer_.begin_stage("packing");
     std::vector<PackedLevel<D>> levels = options_.target_vertices.empty() ? pack_growing() : pack_numbers();
     // The boundary ends coarsening.
-    std::size_t before = fine_.mesh.points.size();
+    std::size_t before = fine().mesh.points.size();
     for (std::size_t i = 0; i < levels.size(); ++i) {
       const std::size_t n = levels[i].vertex.size();
       if (static_cast<double>(n) > kLeastGain * static_cast<double>(before)) {
@@ -125,6 +158,7 @@ class Coarsener {
     const std::vector<Field> grown = grown_spacings();
     std::vector<PackedLevel<D>> levels(grown.size());
     for (std::size_t i = grown.size(); i-- > 0;) {
+      enter_level(i);
       levels[i] = pack_one(grown[i]);
       levels[i].growth = std::pow(options_.growth, static_cast<double>(i + 1));
       keep(levels[i]);
@@ -136,6 +170,7 @@ class Coarsener {
     std::vector<PackedLevel<D>> levels(options_.target_vertices.size());
     double most = kMaxGrowth;
     for (std::size_t i = levels.size(); i-- > 0;) {
+      enter_level(i);
       levels[i] = pack_number(options_.target_vertices[i], most);
       most = levels[i].growth;
       keep(levels[i]);
@@ -146,20 +181,20 @@ class Coarsener {
   /// By bisection of the growth up to `most`. f has to shrink at other places for each growth: only those of the result
   /// stay.
   PackedLevel<D> pack_number(std::size_t n_wanted, double most) {
-    const std::vector<SpacingCap<D>> caps_before = caps_;
+    const std::vector<SpacingCap<D>> caps_before = ground_->caps;
     std::vector<SpacingCap<D>> caps;
     const auto pack = [&](double growth) {
-      caps_ = caps_before;
-      find_limit(spacing_.with_caps(caps_));
-      Field f = fine_.initial;
+      ground_->caps = caps_before;
+      find_limit();
+      Field f = fine().initial;
       for (double& value : f) value *= growth;
-      make_lipschitz(fine_.mesh, fine_.neighbors, options_.lipschitz, f);
+      make_lipschitz(fine().mesh, fine().neighbors, options_.lipschitz, f);
       PackedLevel<D> level = pack_one(f);
       level.growth = growth;
       return level;
     };
     PackedLevel<D> best = pack(most);
-    caps = caps_;
+    caps = ground_->caps;
     double low = 0, high = std::log(most);
     for (int k = 0; k < kBisections && best.vertex.size() < n_wanted; ++k) {
       const double middle = 0.5 * (low + high);
@@ -168,11 +203,64 @@ class Coarsener {
       (n <= n_wanted ? high : low) = middle;
       if (n > n_wanted || n < best.vertex.size()) continue;
       best = std::move(level);
-      caps = caps_;
+      caps = ground_->caps;
     }
-    caps_ = std::move(caps);
-    find_limit(spacing_.with_caps(caps_));
+    ground_->caps = std::move(caps);
+    find_limit();
     return best;
+  }
+
+  /// Where the boundary is not that of the coarser level, its points and the vertices that are kept need room.
+  void enter_level(std::size_t i) {
+    Ground* const coarser = ground_;
+    ground_ = grounds_[ground_of(i)].get();
+    if (ground_ == coarser) return;
+    std::vector<VertexId> present;
+    for (const VertexId v : ids(fitted_)) {
+      if (is_kept_[v.value()] == 0) continue;
+      if (!fine().is_outside.empty() && fine().is_outside[v.value()] != 0) throw_outside(i, v);
+      present.push_back(v);
+    }
+    std::vector<VertexId> added;
+    for (const VertexId v : fine().point_vertices)
+      if (is_kept_[v.value()] == 0) added.push_back(v);
+    present.insert(present.end(), added.begin(), added.end());
+    make_room(added, present);
+  }
+
+  /// Half the distance to the nearest one for those of `added`, what is left for those around.
+  void make_room(const std::vector<VertexId>& added, const std::vector<VertexId>& present) {
+    std::vector<Box<D>> boxes;
+    for (const VertexId v : present) boxes.emplace_back(fine().mesh.points[v], fine().mesh.points[v]);
+    const BoxTree<D> tree(boxes);
+    const double size = fine().place.domain.diameter();
+    for (const VertexId v : added) {
+      const Vec<D>& x = fine().mesh.points[v];
+      double nearest = size;
+      tree.for_each([&](const Box<D>& box) { return box.distance_sq(x) < nearest * nearest; },
+                    [&](std::uint32_t k) {
+                      if (present[k] != v) nearest = std::min(nearest, distance(x, fine().mesh.points[present[k]]));
+                    });
+      const double radius = 0.5 * nearest;
+      ground_->caps.push_back({x, 0, radius, std::nullopt});
+      for (const VertexId w : present) {
+        if (w == v || is_kept_[w.value()] == 0) continue;
+        const double room = distance(x, fine().mesh.points[w]) - radius;
+        if (room < fitted_[w]) ground_->caps.push_back({fine().mesh.points[w], 0, fitted_[w] = room, std::nullopt});
+      }
+    }
+    find_limit();
+  }
+
+  [[noreturn]] void throw_outside(std::size_t i, VertexId v) const {
+    const Vec<D>& x = fine().mesh.points[v];
+    throw InputError(Fault{
+        .id = "coarsen.level_boundary",
+        .message =
+            fmt::format("a vertex of level {} lies outside of the boundary of level {}, which is finer", i + 2, i + 1),
+        .fix = "let boundaries of coarser levels lie within those of finer ones.",
+        .file = fine().place.domain.file,
+        .position = {x.coord.begin(), x.coord.end()}});
   }
 
   /// The vertices of a level stay on all finer ones, with radii that are no larger.
@@ -185,16 +273,17 @@ class Coarsener {
 
   PackedLevel<D> pack_one(const Field& grown) {
     std::size_t n_before = 0;
-    for (int round = 0; round <= kMaxRounds; ++round) {
+    const int max_rounds = ground_ == grounds_[0].get() ? kMaxRounds : kMaxOwnRounds;
+    for (int round = 0; round <= max_rounds; ++round) {
       Field f(grown.size());
       parallel_for(f.size(), [&](std::size_t i) {
         const VertexId v(i);
-        f[v] = std::min(std::max(fine_.floor[v], std::min(grown[v], limit_[v])), fitted_[v]);
+        f[v] = std::min(std::max(fine().floor[v], std::min(grown[v], ground_->limit[v])), fitted_[v]);
       });
-      PackedLevel<D> level = pack_level(fine_, f, is_kept_, observer_);
+      PackedLevel<D> level = pack_level(fine(), f, is_kept_, observer_);
       if (level.faults.empty()) {
         level.spacing = std::move(f);
-        level.faults = complete_level(fine_, options_.lipschitz, level, observer_);
+        level.faults = complete_level(fine(), options_.lipschitz, level, observer_);
         // Where f is that of the finest mesh all of its vertices are there, and it helps no more to shrink.
         if (!level.faults.empty() && level.vertex.size() != std::exchange(n_before, level.vertex.size())) {
           shrink(level.faults);
@@ -205,6 +294,13 @@ class Coarsener {
       }
       shrink(level.faults);
     }
+    if (ground_ != grounds_[0].get())
+      throw InputError(Fault{.id = "coarsen.level_boundary",
+                             .message =
+                                 "protecting balls of a level's own boundary hold vertices of the same boundary, "
+                                 "and no vertices of the mesh lie on it to make them smaller",
+                             .fix = "give a boundary with more vertices of the mesh, or a level more of them.",
+                             .file = fine().place.domain.file});
     throw InputError(Fault{.id = "coarsen.not_delaunay",
                            .message =
                                "the mesh is not boundary-conforming Delaunay: its own vertices lie in protecting "
@@ -214,23 +310,23 @@ class Coarsener {
 
   void shrink(const std::vector<SpacingCap<D>>& faults) {
     observer_.log(LogLevel::kInfo, fmt::format("f shrinks at {} places", faults.size()));
-    caps_.insert(caps_.end(), faults.begin(), faults.end());
-    find_limit(spacing_.with_caps(caps_));
+    ground_->caps.insert(ground_->caps.end(), faults.begin(), faults.end());
+    find_limit();
   }
 
   /// The largest circumradius of the finest mesh in units of f at the circumcenter.
   void find_epsilon(PackedLevel<D>& level) const {
     const Field& f = level.spacing;
     level.epsilon = parallel_reduce_ordered(
-        fine_.mesh.simplex_vertices.size(), 65536, 0.0,
+        fine().mesh.simplex_vertices.size(), 65536, 0.0,
         [&](std::size_t begin, std::size_t end) {
           double worst = 0;
           for (std::size_t s = begin; s < end; ++s) {
-            const auto& corners = fine_.mesh.simplex_vertices[SimplexId(s)];
+            const auto& corners = fine().mesh.simplex_vertices[SimplexId(s)];
             std::array<Vec<D>, D + 1> x;
             double most = 0;
             for (std::size_t i = 0; i <= D; ++i) {
-              x[i] = fine_.mesh.points[corners[i]];
+              x[i] = fine().mesh.points[corners[i]];
               most = std::max(most, f[corners[i]]);
             }
             const double radius = distance(fast_circumcenter(x), x[0]);
@@ -247,7 +343,7 @@ class Coarsener {
     level.growth = packed.growth;
     std::vector<VertexId> vertex = std::move(packed.vertex);
     const std::vector<Vec<D>> centers = packed.packing.center.raw();
-    level.mesh = triangulate(fine_.place.domain, std::move(packed.packing), observer_);
+    level.mesh = triangulate(fine().place.domain, std::move(packed.packing), observer_);
     // The mesh has the same points in another order.
     const auto sorted = [](const std::vector<Vec<D>>& points) {
       std::vector<std::uint32_t> order(points.size());
@@ -266,30 +362,54 @@ class Coarsener {
     const CoarseLevel<D>* finer = nullptr;
     for (CoarseLevel<D>& level : hierarchy.levels) {
       observer_.check_cancelled();
-      link_level(fine_.mesh, finer, level);
+      link_level(fine().mesh, finer, level);
       finer = &level;
     }
   }
 
   const CoarseningOptions& options_;
   Observer& observer_;
-  FineMesh<D> fine_;
-  Spacing<D> spacing_;
-  Field limit_;                        ///< What the domain and the caps allow f to be.
-  std::vector<std::uint8_t> is_kept_;  ///< By vertex: whether it is in a coarser level.
-  Field fitted_;                       ///< The radii of vertices that are in a coarser level.
-  std::vector<SpacingCap<D>> caps_;
+  std::vector<LevelBoundary<D>> boundaries_;      ///< Of ground 1, 2, ...
+  std::vector<std::unique_ptr<Ground>> grounds_;  ///< The first one is the mesh's own.
+  Ground* ground_ = nullptr;                      ///< Of the level that is packed.
+  std::vector<std::uint8_t> is_kept_;             ///< By vertex: whether it is in a coarser level.
+  Field fitted_;                                  ///< The radii of vertices that are in a coarser level.
 };
 
 }  // namespace
 
 template <int D>
+void check_boundaries(const std::vector<LevelBoundary<D>>& boundaries, const CoarseningOptions& options) {
+  const auto n_levels = options.target_vertices.empty() ? options.levels : std::ssize(options.target_vertices);
+  for (std::size_t k = 0; k < boundaries.size(); ++k) {
+    const int level = boundaries[k].level;
+    if (level >= 1 && level <= n_levels && (k == 0 || boundaries[k - 1].level < level)) continue;
+    throw OptionError(Fault{
+        .id = "coarsen.bad_option",
+        .message = fmt::format("a boundary is given for level {}, twice or beyond the {} levels", level, n_levels),
+        .fix = "give each level between 1 and the last one at most one boundary."});
+  }
+}
+
+template <int D>
 CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, const CoarseningOptions& options, Observer& observer) {
+  return coarsen<D>(mesh, {}, options, observer);
+}
+
+template <int D>
+CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, std::vector<LevelBoundary<D>> boundaries,
+                               const CoarseningOptions& options, Observer& observer) {
   check_options(options);
-  return Coarsener<D>(mesh, options, observer).run();
+  std::ranges::stable_sort(boundaries, {}, &LevelBoundary<D>::level);
+  check_boundaries(boundaries, options);
+  return Coarsener<D>(mesh, std::move(boundaries), options, observer).run();
 }
 
 template CoarseningHierarchy<2> coarsen(const Mesh<2>&, const CoarseningOptions&, Observer&);
 template CoarseningHierarchy<3> coarsen(const Mesh<3>&, const CoarseningOptions&, Observer&);
+template CoarseningHierarchy<2> coarsen(const Mesh<2>&, std::vector<LevelBoundary<2>>, const CoarseningOptions&,
+                                        Observer&);
+template CoarseningHierarchy<3> coarsen(const Mesh<3>&, std::vector<LevelBoundary<3>>, const CoarseningOptions&,
+                                        Observer&);
 
 }  // namespace voropack

@@ -193,7 +193,7 @@ class Completer {
   }
 
   [[nodiscard]] bool is_usable(VertexId v) const {
-    return is_used_[v.value()] == 0 && fine_.place.carrier[v].dimension == D && !balls_.forbids(fine_.mesh.points[v]);
+    return is_used_[v.value()] == 0 && fine_.is_interior(v) && !balls_.forbids(fine_.mesh.points[v]);
   }
 
   /// v, or the nearest to x of those beside it; none if there is none.

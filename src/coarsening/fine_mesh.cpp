@@ -78,8 +78,13 @@ void make_lipschitz(const Mesh<D>& mesh, const Csr<VertexId, VertexId>& neighbor
 }
 
 template <int D>
-FineMesh<D>::FineMesh(const Mesh<D>& fine, MeshDomain<D> domain_and_carriers, const CoarseningOptions& options)
-    : mesh(fine), place(std::move(domain_and_carriers)), incidence(place.domain), neighbors(vertex_neighbors(fine)) {
+FineMesh<D>::FineMesh(const Mesh<D>& fine, MeshDomain<D> domain_and_carriers, const CoarseningOptions& options,
+                      std::vector<std::uint8_t> outside)
+    : mesh(fine),
+      place(std::move(domain_and_carriers)),
+      incidence(place.domain),
+      neighbors(vertex_neighbors(fine)),
+      is_outside(std::move(outside)) {
   VertexSpacing spacing = initial_spacing(fine, neighbors, options.initial);
   initial = std::move(spacing.initial);
   floor = std::move(spacing.nearest);
@@ -134,7 +139,7 @@ void FineMesh<D>::sort_vertices(const CoarseningOptions& options) {
     const PolytopeId carrier = place.carrier[v];
     if (carrier.dimension == 0) point_vertices[carrier.index] = v;
     if (carrier.dimension == 2 && D == 3) in_facet[carrier.index].push_back(v);
-    if (carrier.dimension == D) interior.push_back(v);
+    if (is_interior(v)) interior.push_back(v);
   }
   for (const auto& row : in_facet) facet_vertices.push_row(row);
 }

@@ -15,7 +15,9 @@ Csr<VertexId, VertexId> vertex_neighbors(const Mesh<D>& mesh);
 
 template <int D>
 struct FineMesh {
-  FineMesh(const Mesh<D>& mesh, MeshDomain<D> place, const CoarseningOptions& options);
+  /// `is_outside` marks vertices that no level on this domain may have; empty if there are none.
+  FineMesh(const Mesh<D>& mesh, MeshDomain<D> place, const CoarseningOptions& options,
+           std::vector<std::uint8_t> is_outside = {});
 
   const Mesh<D>& mesh;
   MeshDomain<D> place;
@@ -25,7 +27,12 @@ struct FineMesh {
   IdVector<VertexId, double> floor;       ///< Half the distance to the nearest neighbor: with it all vertices fit.
   std::vector<VertexId> point_vertices;   ///< By PointId.
   Csr<FacetId, VertexId> facet_vertices;  ///< 3D: inside each facet, in the order in which they are tried.
-  std::vector<VertexId> interior;         ///< In no polytope below D, in the order in which they are tried.
+  std::vector<std::uint8_t> is_outside;
+  std::vector<VertexId> interior;  ///< In no polytope below D, in the order in which they are tried.
+
+  [[nodiscard]] bool is_interior(VertexId v) const {
+    return place.carrier[v].dimension == D && (is_outside.empty() || is_outside[v.value()] == 0);
+  }
 
  private:
   void sort_vertices(const CoarseningOptions& options);

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "geom/predicates.h"
 #include "mesh/incidence.h"
 #include "voropack/coarsening.h"
 
@@ -10,9 +9,9 @@ namespace voropack {
 
 namespace {
 
-/// Simplices that overlap by less than this, relative to their size, along the normal of two edges only touch. Faces
-/// are decided exactly.
-constexpr double kTouching = 1e-12;
+/// Simplices that overlap by less than this, relative to their size, along a normal only touch: lattices are jittered
+/// by less, and vertices on a common line or plane are rounded.
+constexpr double kTouching = 1e-6;
 /// Each has marks on all finer simplices.
 constexpr std::size_t kBlocks = 16;
 
@@ -26,49 +25,52 @@ Corners<D> corners_of(const Mesh<D>& mesh, SimplexId s) {
   return x;
 }
 
-/// Where x is with respect to face i of a simplex: positive on the side of corner i, which is positively oriented.
+/// True if a plane with this normal has the simplices on different sides.
 template <int D>
-int side_of_face(const Corners<D>& simplex, std::size_t i, const Vec<D>& x) {
-  Corners<D> moved = simplex;
-  moved[i] = x;
-  if constexpr (D == 2)
-    return orientation(moved[0], moved[1], moved[2]);
-  else
-    return orientation(moved[0], moved[1], moved[2], moved[3]);
+bool separates(const Vec<D>& normal, const Corners<D>& a, const Corners<D>& b) {
+  if (!(norm_sq(normal) > 0)) return false;
+  const auto range = [&](const Corners<D>& simplex) {
+    double least = dot(simplex[0] - a[0], normal), most = least;
+    for (std::size_t k = 1; k <= D; ++k) {
+      const double h = dot(simplex[k] - a[0], normal);
+      least = std::min(least, h);
+      most = std::max(most, h);
+    }
+    return std::array{least, most};
+  };
+  const auto [a0, a1] = range(a);
+  const auto [b0, b1] = range(b);
+  const double slack = kTouching * (std::max(a1, b1) - std::min(a0, b0));
+  return a1 <= b0 + slack || b1 <= a0 + slack;
 }
 
-/// True if the plane of a face of `a` has all of `b` on its other side.
+/// True if the plane of a face of `simplex` separates a and b.
 template <int D>
-bool face_separates(const Corners<D>& a, const Corners<D>& b) {
-  for (std::size_t i = 0; i <= D; ++i)
-    if (std::ranges::all_of(b, [&](const Vec<D>& x) { return side_of_face<D>(a, i, x) <= 0; })) return true;
+bool faces_separate(const Corners<D>& simplex, const Corners<D>& a, const Corners<D>& b) {
+  for (std::size_t i = 0; i <= D; ++i) {
+    const Vec<D> x = simplex[(i + 1) % (D + 1)];
+    const Vec<D> u = simplex[(i + 2) % (D + 1)] - x;
+    if constexpr (D == 2) {
+      if (separates<2>({u[1], -u[0]}, a, b)) return true;
+    } else {
+      if (separates<3>(cross(u, simplex[(i + 3) % 4] - x), a, b)) return true;
+    }
+  }
   return false;
 }
 
-/// True if a plane along an edge of each has them on different sides.
+/// True if a plane along an edge of each separates them.
 bool edges_separate(const Corners<3>& a, const Corners<3>& b) {
-  const auto range = [](const Corners<3>& simplex, const Vec<3>& normal) {
-    std::array<double, 2> r = {dot(simplex[0], normal), dot(simplex[0], normal)};
-    for (std::size_t k = 1; k < 4; ++k) {
-      const double h = dot(simplex[k], normal);
-      r = {std::min(r[0], h), std::max(r[1], h)};
-    }
-    return r;
-  };
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = i + 1; j < 4; ++j)
       for (std::size_t k = 0; k < 3; ++k)
-        for (std::size_t l = k + 1; l < 4; ++l) {
-          const Vec<3> normal = cross(a[j] - a[i], b[l] - b[k]);
-          const auto ra = range(a, normal), rb = range(b, normal);
-          const double slack = kTouching * (std::max(ra[1], rb[1]) - std::min(ra[0], rb[0]));
-          if (ra[1] <= rb[0] + slack || rb[1] <= ra[0] + slack) return true;
-        }
+        for (std::size_t l = k + 1; l < 4; ++l)
+          if (separates<3>(cross(a[j] - a[i], b[l] - b[k]), a, b)) return true;
   return false;
 }
 
-/// Whether the interiors of two positively oriented simplices meet: no plane of a face, and in space none along an edge
-/// of each, separates them.
+/// Whether the interiors of two simplices meet: convex bodies do unless a plane separates them, and those of faces and
+/// of pairs of edges suffice.
 template <int D>
 bool interiors_meet(const Corners<D>& a, const Corners<D>& b) {
   for (int k = 0; k < D; ++k) {
@@ -77,7 +79,7 @@ bool interiors_meet(const Corners<D>& a, const Corners<D>& b) {
     const auto [b0, b1] = std::minmax_element(b.begin(), b.end(), less);
     if ((*a1)[k] <= (*b0)[k] || (*b1)[k] <= (*a0)[k]) return false;
   }
-  if (face_separates<D>(a, b) || face_separates<D>(b, a)) return false;
+  if (faces_separate<D>(a, a, b) || faces_separate<D>(b, a, b)) return false;
   if constexpr (D == 3) return !edges_separate(a, b);
   return true;
 }

@@ -45,6 +45,9 @@ class LevelPacker {
     for (const VertexId v : fine_.point_vertices) add(v);
     add_segments();
     if constexpr (D == 3) add_facets();
+    // A coarser level with another boundary may have vertices inside that are in this one's protecting balls.
+    for (const VertexId v : fine_.interior)
+      if (is_kept_[v.value()] != 0) add(v);
     find_intruders();
     if (result_.faults.empty()) add_interior();
     return std::move(result_);
@@ -268,8 +271,6 @@ class LevelPacker {
   }
 
   void add_interior() {
-    for (const VertexId v : fine_.interior)
-      if (is_kept_[v.value()] != 0) add(v);
     for (std::size_t i = 0; i < fine_.interior.size(); ++i) {
       if (i % 65536 == 0) observer_.check_cancelled();
       const VertexId v = fine_.interior[i];

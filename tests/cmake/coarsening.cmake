@@ -1,4 +1,5 @@
 voropack_test(mesh_domain_test unit/mesh_domain_test.cpp)
 voropack_test(coarsening_test property/coarsening_test.cpp)
 voropack_test(beyond_boundary_test property/beyond_boundary_test.cpp)
+voropack_test(hierarchy_test property/hierarchy_test.cpp)
 voropack_test(refinement_test property/refinement_test.cpp)
