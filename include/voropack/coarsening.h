@@ -90,7 +90,7 @@ struct CoarseningHierarchy {
 /// from level to level. Where a coarse boundary does not conform, f shrinks, at worst to that of the finest mesh.
 /// Cost: O(n) per level. The same result for any number of threads.
 /// Throws: OptionError coarsen.bad_option.
-///         InputError  coarsen.not_delaunay  if the mesh is not boundary-conforming Delaunay.
+///         InputError  coarsen.not_delaunay  if the mesh is not Delaunay, or its own vertices lie in protecting balls.
 ///         Cancelled   if the observer asks to stop.
 template <int D>
 CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, const CoarseningOptions& options = {},
@@ -162,7 +162,7 @@ struct SimplifiedLevel : CoarseLevel<2> {
 /// vertices are exchanged by simulated annealing, except for those of the next coarser level.
 /// Cost: O(n log n) per packing, and `trials` local changes per vertex. Deterministic.
 /// Throws: OptionError coarsen.bad_option, coarsen.plane_only (in 3D).
-///         InputError  coarsen.not_conforming, coarsen.not_an_edge.
+///         InputError  coarsen.not_delaunay, coarsen.not_conforming, coarsen.not_an_edge.
 ///         Cancelled   if the observer asks to stop.
 template <int D>
 std::vector<SimplifiedLevel> coarsen_beyond_boundary(const Mesh<D>& mesh, const BeyondBoundaryOptions& options = {},

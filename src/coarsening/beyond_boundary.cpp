@@ -8,6 +8,7 @@
 #include "coarsening/improve_level.h"
 #include "coarsening/planar_packer.h"
 #include "coarsening/prolongation.h"
+#include "coarsening/require_delaunay.h"
 #include "voropack/coarsening.h"
 #include "voropack/error.h"
 
@@ -239,6 +240,7 @@ template <>
 std::vector<SimplifiedLevel> coarsen_beyond_boundary<2>(const Mesh<2>& mesh, const BeyondBoundaryOptions& options,
                                                         Observer& observer) {
   check_options(options);
+  require_delaunay(mesh);
   observer.begin_stage("coarsen");
   return Hierarchy(mesh, options, observer).build();
 }

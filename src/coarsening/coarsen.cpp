@@ -12,6 +12,7 @@
 #include "coarsening/level_boundary.h"
 #include "coarsening/level_packer.h"
 #include "coarsening/prolongation.h"
+#include "coarsening/require_delaunay.h"
 #include "geom/box_tree.h"
 #include "geom/circumcenter.h"
 #include "voropack/coarsening.h"
@@ -402,6 +403,7 @@ CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, std::vector<LevelBoundary<D>
   check_options(options);
   std::ranges::stable_sort(boundaries, {}, &LevelBoundary<D>::level);
   check_boundaries(boundaries, options);
+  require_delaunay(mesh);
   return Coarsener<D>(mesh, std::move(boundaries), options, observer).run();
 }
 
