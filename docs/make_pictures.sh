@@ -17,3 +17,9 @@ for case in heat aquifer; do
 done
 
 "$here/../run" paper figure3 -o "$here/pictures/figure3.svg"
+
+"$here/../run" paper figure5 --size 0.02 --levels 3 --quiet -o "$here/pictures/figure5.svg"
+
+# The mesh of Figure 8 is no part of this project: see docs/theory/beyond_boundary.md.
+airfoil=${VOROPACK_SHARED:-$here/../../shared}/data/airfoil/airfoil.node
+[ ! -f "$airfoil" ] || "$here/../run" paper figure8 --mesh "$airfoil" --quiet -o "$here/pictures/figure8.svg"

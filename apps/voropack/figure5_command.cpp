@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <memory>
 #include <numeric>
 #include <random>
@@ -28,6 +29,12 @@ struct Figure5Row {
   std::string method;
   std::size_t level = 0, vertices = 0;
   double radius_edge = 0, min_angle = 180;
+};
+
+/// The rows, and the coarsest mesh of each method for a picture.
+struct Figure5Study {
+  std::vector<Figure5Row> rows;
+  std::vector<std::pair<std::string, Mesh<2>>> coarsest;
 };
 
 Figure5Row measure(const std::string& method, std::size_t level, const IdVector<VertexId, Vec<2>>& points,
@@ -97,9 +104,30 @@ Mesh<2> packed_square(double size, std::uint64_t seed, Observer& observer) {
   return make_mesh(square, options, observer).mesh;
 }
 
-std::vector<Figure5Row> run_study(const Figure5Arguments& arguments, std::uint64_t seed, Observer& observer) {
+Mesh<2> mesh_of(const IdVector<VertexId, Vec<2>>& points, const std::vector<std::array<VertexId, 3>>& triangles) {
+  Mesh<2> mesh;
+  mesh.points = points;
+  for (const auto& c : triangles) {
+    mesh.simplex_vertices.push_back(c);
+    mesh.simplex_region.push_back(1);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const VertexId a = c[i], b = c[(i + 1) % 3];
+      for (int k = 0; k < 2; ++k)
+        if (points[a][k] == points[b][k] && (points[a][k] == 0 || points[a][k] == 1)) {
+          mesh.boundary_vertices.push_back({a, b});
+          mesh.boundary_marker.push_back(1);
+        }
+    }
+  }
+  build_neighbors(mesh);
+  return mesh;
+}
+
+Figure5Study run_study(const Figure5Arguments& arguments, std::uint64_t seed, Observer& observer) {
   const Mesh<2> mesh = packed_square(arguments.size, seed, observer);
-  std::vector<Figure5Row> rows = {measure("mesh", 0, mesh.points, mesh.simplex_vertices.raw())};
+  Figure5Study study;
+  std::vector<Figure5Row>& rows = study.rows;
+  rows = {measure("mesh", 0, mesh.points, mesh.simplex_vertices.raw())};
   IdVector<VertexId, Vec<2>> points = mesh.points;
   std::vector<std::array<VertexId, 3>> triangles = mesh.simplex_vertices.raw();
   for (int i = 1; i <= arguments.levels; ++i) {
@@ -107,6 +135,7 @@ std::vector<Figure5Row> run_study(const Figure5Arguments& arguments, std::uint64
     triangles = triangles_of(points);
     rows.push_back(measure("mis", static_cast<std::size_t>(i), points, triangles));
   }
+  study.coarsest.emplace_back("mis", mesh_of(points, triangles));
   for (const bool is_literal : {true, false}) {
     CoarseningOptions options;
     options.levels = arguments.levels;
@@ -117,24 +146,26 @@ std::vector<Figure5Row> run_study(const Figure5Arguments& arguments, std::uint64
       const Mesh<2>& level = hierarchy.levels[i].mesh;
       rows.push_back(measure(is_literal ? "literal" : "graded", i + 1, level.points, level.simplex_vertices.raw()));
     }
+    if (!hierarchy.levels.empty())
+      study.coarsest.emplace_back(is_literal ? "literal" : "graded", hierarchy.levels.back().mesh);
   }
   std::stable_sort(rows.begin(), rows.end(),
                    [](const Figure5Row& a, const Figure5Row& b) { return a.level < b.level; });
-  return rows;
+  return study;
 }
 
 ExitCode run_figure5(const Figure5Arguments& arguments, Session& session) {
-  for (const fs::path& output : arguments.outputs) check_extension(output, {".csv"});
+  for (const fs::path& output : arguments.outputs) check_extension(output, {".csv", ".svg"});
   Report report;
   report.command = "paper figure5";
   report.options = {{"size", arguments.size}, {"levels", arguments.levels}, {"seed", session.common.seed}};
-  const auto rows =
+  const Figure5Study study =
       timed(report.times, "figure5", [&] { return run_study(arguments, session.common.seed, session.observer); });
   std::string text =
       fmt::format("{:<7}{:<10}{:>10}{:>18}{:>18}\n", "level", "", "vertices", "radius/edge max", "angle min, deg");
   std::string csv = "method,level,vertices,radius_edge,min_angle\n";
   report.levels = Json::array();
-  for (const Figure5Row& r : rows) {
+  for (const Figure5Row& r : study.rows) {
     text +=
         fmt::format("{:<7}{:<10}{:>10}{:>18.4g}{:>18.4g}\n", r.level, r.method, r.vertices, r.radius_edge, r.min_angle);
     csv += fmt::format("{},{},{},{:.6g},{:.6g}\n", r.method, r.level, r.vertices, r.radius_edge, r.min_angle);
@@ -144,7 +175,17 @@ ExitCode run_figure5(const Figure5Arguments& arguments, Session& session) {
                               {"radius_edge", r.radius_edge},
                               {"min_angle_deg", r.min_angle}});
   }
-  for (const fs::path& output : arguments.outputs) write_text(csv, session.outputs.stage(output));
+  for (const fs::path& output : arguments.outputs) {
+    if (std::tolower(output.extension().string()[1]) == 'c') {
+      write_text(csv, session.outputs.stage(output));
+      continue;
+    }
+    for (const auto& [method, mesh] : study.coarsest) {
+      const ControlVolumes<2> volumes = build_control_volumes(mesh);
+      const fs::path name = fmt::format("{}-{}.svg", output.stem().string(), method);
+      write_svg(mesh, build_cell_shapes(mesh, volumes), volumes, session.outputs.stage(output.parent_path() / name));
+    }
+  }
   session.finish(report, text);
   return ExitCode::kDone;
 }
@@ -163,7 +204,9 @@ Command add_figure5_command(CLI::App& root, CommonOptions& common) {
       ->check(whole_number(1, 20))
       ->type_name("K")
       ->capture_default_str();
-  app->add_option("-o,--output", arguments->outputs, "Write the table (.csv)")
+  app->add_option("-o,--output", arguments->outputs,
+                  "Write the table (.csv) or the coarsest level of each method (NAME.svg:\n"
+                  "NAME-mis.svg, ...); may be given again")
       ->allow_extra_args(false)
       ->type_name("FILE");
   add_common_options(*app, common);

@@ -141,7 +141,7 @@ struct BeyondBoundaryOptions {
 };
 
 /// A level with a simplified boundary. Vertices of the finer level that lie outside of it are interpolated from the
-/// nearest triangle. `epsilon` is not measured. The spacing of the mesh is f of the packing; after
+/// nearest triangle. The spacing of the mesh is f of the packing; after
 /// LocalImprovement::kFree, which keeps none, half the distance to the nearest vertex.
 struct SimplifiedLevel : CoarseLevel<2> {
   double lipschitz = 0;        ///< Of f.

@@ -9,6 +9,7 @@
 #include "coarsening/planar_packer.h"
 #include "coarsening/prolongation.h"
 #include "coarsening/require_delaunay.h"
+#include "geom/circumcenter.h"
 #include "voropack/coarsening.h"
 #include "voropack/error.h"
 
@@ -23,8 +24,9 @@ constexpr int kBisections = 12;          // Growth to about 0.2 %.
 constexpr double kRestartSpread = 0.1;   // Restarts vary the growth by this, as far as the number of vertices allows.
 /// f shrinks by this before vertices of a packing move, or they could not.
 constexpr double kRoomToMove = 0.8;
-constexpr double kFewestVertices =
-    0.85;  // An improvement may take away vertices down to this part of the wished number.
+/// An improvement may take away vertices down to this part of the wished number.
+constexpr double kFewestVertices = 0.85;
+constexpr double kEpsilonSlack = 1e-9;  // Whoever measures again rounds otherwise.
 
 [[noreturn]] void throw_bad_option(const std::string& message, const std::string& fix) {
   throw OptionError(Fault{.id = "coarsen.bad_option", .message = message, .fix = fix});
@@ -171,6 +173,7 @@ class Hierarchy {
     }
     out.mesh = make_mesh(packed, out.finest_vertex, place);
     if (options_.improvement == LocalImprovement::kFree) take_half_distances(out.mesh);
+    out.epsilon = measured_epsilon(out.mesh);
     return out;
   }
 
@@ -188,6 +191,27 @@ class Hierarchy {
                     });
       mesh.vertex_spacing[v] = 0.5 * nearest;
     }
+  }
+
+  /// The least E with R (1 - b) <= (2 + E (1 + b)) f at every circumcenter, where f is as large as its slope allows; 0
+  /// if a sphere fits nowhere.
+  static double measured_epsilon(const Mesh<2>& mesh) {
+    double slope = 0;
+    for (const auto& c : mesh.simplex_vertices)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const VertexId u = c[i], v = c[(i + 1) % 3];
+        slope = std::max(slope, std::abs(mesh.vertex_spacing[u] - mesh.vertex_spacing[v]) /
+                                    distance(mesh.points[u], mesh.points[v]));
+      }
+    double epsilon = 0;
+    for (const auto& c : mesh.simplex_vertices) {
+      const std::array<Vec<2>, 3> x = {mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]};
+      const double radius = distance(fast_circumcenter(x), x[0]);
+      double f = std::numeric_limits<double>::infinity();
+      for (const VertexId v : c) f = std::min(f, mesh.vertex_spacing[v] + slope * radius);
+      epsilon = std::max(epsilon, (radius * (1 - slope) / f - 2) / (1 + slope));
+    }
+    return epsilon > 0 ? epsilon * (1 + kEpsilonSlack) : 0;
   }
 
   [[nodiscard]] Mesh<2> make_mesh(const PlanarPacking& packed, const IdVector<VertexId, VertexId>& finest,

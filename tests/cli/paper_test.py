@@ -140,5 +140,51 @@ class WrongUse(CommandLineTest):
         self.assertLess(figures["radius_edge"], 2.5)
 
 
+class Figure5(CommandLineTest):
+    def test_repeated_independent_sets_decay_and_coarsen_does_not(self):
+        self.succeed("paper", "figure5", "--size", "0.02", "--levels", "3", "-o", "five.csv", "-o",
+                     "five.svg", "--report", "report.json")
+        for method in ("mis", "literal", "graded"):
+            self.assertTrue((self.folder / f"five-{method}.svg").exists())
+        rows = self.report()["levels"]
+        with open(self.folder / "five.csv", newline="", encoding="utf-8") as file:
+            table = list(csv.DictReader(file))
+        self.assertEqual([(row["method"], int(row["level"]), int(row["vertices"])) for row in table],
+                         [(row["method"], row["level"], row["vertices"]) for row in rows])
+        shapes = {(row["method"], row["level"]): row["radius_edge"] for row in rows}
+        for level in (1, 2, 3):
+            for method in ("literal", "graded"):
+                self.assertLess(shapes[method, level], 2)
+        self.assertGreater(shapes["mis", 3], max(shapes["literal", 3], shapes["graded", 3]))
+
+
+class Figure8(CommandLineTest):
+    def test_levels_are_in_proportion_to_the_papers(self):
+        self.write("box.poly", square_poly())
+        self.succeed("mesh", "box.poly", "-o", "box.node", "--size", "0.05", "--quiet")
+        self.succeed("paper", "figure8", "--mesh", "box.node", "-o", "eight.csv", "-o", "eight.svg", "--report",
+                     "report.json")
+        with open(self.folder / "eight.csv", newline="", encoding="utf-8") as file:
+            table = list(csv.DictReader(file))
+        nodes = {(row["source"], int(row["level"])): int(row["nodes"]) for row in table}
+        paper = [nodes["paper", k] for k in range(5)]
+        self.assertEqual(paper, [4253, 1039, 416, 217, 86])
+        for source in ("packed", "improved"):
+            for k in range(1, 5):
+                self.assertLessEqual(nodes[source, k], paper[k] * nodes["computed", 0] / paper[0])
+        for level in self.report()["levels"]:
+            self.assertLessEqual(level["area_change"], 0.02)
+            if level["source"] == "packed":
+                self.assertEqual(level["largest_overlap"], 0)
+        for k in range(1, 5):
+            root = xml.etree.ElementTree.parse(self.folder / f"eight-{k}.svg").getroot()
+            self.assertTrue(root.tag.endswith("svg"))
+
+    def test_a_mesh_in_space_is_refused(self):
+        self.write("box.poly", box_poly())
+        self.succeed("mesh", "box.poly", "-o", "box.node", "--size", "0.3", "--quiet")
+        self.fail_with(2, "paper", "figure8", "--mesh", "box.node", words="cli.dimension")
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -39,6 +39,17 @@ std::string replaced(std::string text, std::string_view from, std::string_view t
   return text.replace(at, from.size(), to);
 }
 
+TEST(MatrixMarket, ListsEntriesFromOne) {
+  const TemporaryFolder folder;
+  const std::vector<std::uint64_t> offsets = {0, 2, 2, 3};
+  const std::vector<std::uint32_t> columns = {0, 3, 1};
+  const std::vector<double> values = {0.25, 0.75, 1};
+  write_matrix_market(offsets, columns, values, 4, folder / "p.mtx");
+  std::ifstream file(folder / "p.mtx");
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_EQ(text, "%%MatrixMarket matrix coordinate real general\n3 4 3\n1 1 0.25\n1 4 0.75\n3 2 1\n");
+}
+
 TEST(NodeMesh, RoundTripKeepsAllButCarrierDimensions) {
   const TemporaryFolder folder;
   Mesh<2> square = square_mesh();
