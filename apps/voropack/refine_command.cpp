@@ -27,9 +27,7 @@ struct RefineArguments {
   MeshingWishes wishes;
 
   /// One level if nothing else is wished.
-  [[nodiscard]] int n_levels() const {
-    return levels.value_or(wishes.has_size() ? 0 : 1);
-  }
+  [[nodiscard]] int n_levels() const { return levels.value_or(wishes.has_size() ? 0 : 1); }
 };
 
 template <int D>
