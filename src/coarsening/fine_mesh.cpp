@@ -85,6 +85,11 @@ FineMesh<D>::FineMesh(const Mesh<D>& fine, MeshDomain<D> domain_and_carriers, co
       incidence(place.domain),
       neighbors(vertex_neighbors(fine)),
       is_outside(std::move(outside)) {
+  for (const VertexId v : ids(fine.points)) {
+    if (!neighbors[v].empty()) continue;
+    is_outside.resize(fine.points.size(), 0);
+    is_outside[v.value()] = 1;
+  }
   VertexSpacing spacing = initial_spacing(fine, neighbors, options.initial);
   initial = std::move(spacing.initial);
   floor = std::move(spacing.nearest);

@@ -15,7 +15,8 @@ Csr<VertexId, VertexId> vertex_neighbors(const Mesh<D>& mesh);
 
 template <int D>
 struct FineMesh {
-  /// `is_outside` marks vertices that no level on this domain may have; empty if there are none.
+  /// `is_outside` marks vertices that no level on this domain may have; empty if there are none. Those of no simplex
+  /// are added.
   FineMesh(const Mesh<D>& mesh, MeshDomain<D> place, const CoarseningOptions& options,
            std::vector<std::uint8_t> is_outside = {});
 

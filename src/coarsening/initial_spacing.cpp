@@ -52,7 +52,8 @@ VertexSpacing initial_spacing(const Mesh<D>& mesh, const Csr<VertexId, VertexId>
       nearest = std::min(nearest, d);
       sum += d;
     }
-    const double mean = sum / static_cast<double>(neighbors[v].size());
+    // A vertex of no simplex has no say.
+    const double mean = neighbors[v].empty() ? nearest : sum / static_cast<double>(neighbors[v].size());
     spacing.nearest[v] = 0.5 * nearest;
     spacing.initial[v] = 0.5 * mean / kMeanEdgeOverSpacing<D>;
   });

@@ -164,6 +164,18 @@ class CoarsenBeyond(CommandLineTest):
         for bad in ("0=round.poly", "round.poly", "9=round.poly"):
             self.fail_with(2, "coarsen", "fine.node", "--level-boundary", bad, "-o", "no")
 
+    def test_vertices_of_no_simplex_are_left_out(self):
+        header, points = read_table(self.folder / "fine.node")
+        write_table(self.folder / "loose.node", [int(header[0]) + 1, *header[1:]],
+                    [*points, [len(points) + 1, 0.012345, 0.023456, *points[-1][3:]]])
+        for extension in ("ele", "edge"):
+            shutil.copy(self.folder / f"fine.{extension}", self.folder / f"loose.{extension}")
+        for beyond in ([], ["--beyond-boundary"]):
+            self.succeed("coarsen", "loose.node", "--levels", "2", "-o", "out", *beyond)
+            for k in (1, 2):
+                index = {int(row[4]) for row in read_table(self.folder / "out" / f"level-{k}.node")[1]}
+                self.assertNotIn(len(points), index)
+
     def test_meshes_that_are_no_delaunay_triangulations_are_refused(self):
         header, rows = read_table(self.folder / "fine.ele")
         twice = [*rows, [len(rows) + 1, *rows[0][1:]]]

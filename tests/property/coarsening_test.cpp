@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "support/allow_threads.h"
@@ -86,7 +87,10 @@ void every_domain_coarsens() {
       EXPECT_GE(hierarchy.levels.size(), 1U);
       expect_nested(hierarchy, finest);
       expect_linear_exact(hierarchy, finest);
-      for (const CoarseLevel<D>& level : hierarchy.levels) expect_certified(level, hierarchy.domain, options.lipschitz);
+      for (const CoarseLevel<D>& level : hierarchy.levels) {
+        EXPECT_EQ(level.epsilon, 0);  // Voronoi-maximal, as the finest mesh is.
+        expect_certified(level, hierarchy.domain, options.lipschitz);
+      }
     }
 }
 TEST(Coarsening, EveryDomainCoarsensInThePlane) { every_domain_coarsens<2>(); }
@@ -111,6 +115,24 @@ void options_work() {
 }
 TEST(Coarsening, OptionsWorkInThePlane) { options_work<2>(); }
 TEST(Coarsening, OptionsWorkInSpace) { options_work<3>(); }
+
+/// f_0 is what the mesh was packed with, up to what a lattice makes of it: about 2^-D of the vertices stay.
+template <int D>
+void first_level_keeps_its_part() {
+  for (const Interior interior : {Interior::kLattice, Interior::kRandom}) {
+    const Mesh<D> finest = mesh_of(domains::unit_box<D>(), D == 2 ? 0.012 : 0.05, interior);
+    CoarseningOptions options;
+    options.levels = 1;
+    const CoarseningHierarchy<D> hierarchy = coarsen(finest, options);
+    ASSERT_EQ(hierarchy.levels.size(), 1U);
+    const double kept = static_cast<double>(hierarchy.levels[0].mesh.points.size()) /
+                        static_cast<double>(finest.points.size()) * std::pow(2, D);
+    EXPECT_GT(kept, 0.7);
+    EXPECT_LT(kept, 1.5);
+  }
+}
+TEST(Coarsening, FirstLevelKeepsItsPartInThePlane) { first_level_keeps_its_part<2>(); }
+TEST(Coarsening, FirstLevelKeepsItsPartInSpace) { first_level_keeps_its_part<3>(); }
 
 /// Shapes do not get worse from level to level (Theorem 4.1).
 TEST(Coarsening, ShapesDoNotDecay) {
