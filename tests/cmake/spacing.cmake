@@ -1,4 +1,5 @@
 voropack_test(spacing_expression_test unit/spacing_expression_test.cpp)
 voropack_test(spacing_lfs_test property/spacing_lfs_test.cpp)
 voropack_test(spacing_wishes_test unit/spacing_wishes_test.cpp)
+voropack_test(cap_tree_test unit/cap_tree_test.cpp)
 voropack_test(value_memory_test unit/value_memory_test.cpp)

@@ -1,6 +1,7 @@
 voropack_test(wall_locator_test unit/wall_locator_test.cpp)
 voropack_test(sphere_set_test unit/sphere_set_test.cpp)
 voropack_test(pack_interior_test unit/pack_interior_test.cpp)
+voropack_test(movable_mesh_test unit/movable_mesh_test.cpp)
 
 find_package(rapidcheck REQUIRED)
 voropack_test(packing_independent_set_test property/packing_independent_set_test.cpp)

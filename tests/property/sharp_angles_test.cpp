@@ -119,10 +119,12 @@ TEST(SharpAngles3, CracksThatEndInside) {
 
 TEST(SharpAngles3, Needles) { expect_certified(sharp::needle(0.1)); }
 
+/// Without moves of single spheres `radius_edge` fails in most of these.
 TEST(SharpAngles3, HeapsOfTetrahedra) {
   for (const std::uint64_t seed : {0, 1, 8}) expect_certified(sharp::heap<3>(6, 0.4, seed));
-  // Where some corners are sharper, single simplices beside them stay longer than `radius_edge` allows.
-  for (const std::uint64_t seed : {2, 3, 6, 7}) expect_certified(sharp::heap<3>(5, 0.4, seed), {}, "radius_edge");
+  for (const std::uint64_t seed : {2, 3, 6, 7}) expect_certified(sharp::heap<3>(5, 0.4, seed));
+  // The rest of the 200 is in bench/micro/heaps.
+  for (const std::uint64_t seed : {0, 1, 2, 4, 22}) expect_certified(sharp::tetrahedra(2 + seed % 4, 3, seed));
 }
 
 TEST(SharpAngles2, FansOfManyAngles) {

@@ -157,5 +157,42 @@ TEST(Strands, AStepIsNoLongerThanAsked) {
   EXPECT_EQ(pack_strands<2>(star.strands, {}, spacing, 0, 1)[0].position.size(), 4U);
 }
 
+/// What is far from all others in angle goes its own way sooner, and does not keep the others from being tied.
+TEST(Strands, AWideOneLeavesSooner) {
+  const Domain<2> domain = build_domain(domains::unit_square());
+  const Spacing<2> spacing = constant_spacing(domain, 0.01);
+  Star star({0, 5, 80}, {0.4, 0.4, 0.4});
+  star.tie.ends[2].wide_angle = sharp::radians(75);
+  const auto packed = pack_strands<2>(star.strands, {star.tie}, spacing, 0, 1);
+  ASSERT_FALSE(packed[2].position.empty());
+  EXPECT_EQ(packed[2].position[0], packed[0].position[0]);
+  EXPECT_LT(packed[2].tied_begin, 0.25 * packed[0].tied_begin);
+  EXPECT_EQ(packed[0].tied_begin, packed[1].tied_begin);
+  for (std::size_t i = 0; i < 3; ++i) expect_room(star.strands[i], packed[i], spacing);
+}
+
+/// Where f is small on one of two strands, the steps of the other one grow from there as f may grow.
+TEST(Strands, StepsGrowFromTiedSpheres) {
+  const Domain<2> domain = build_domain(domains::unit_square());
+  const Star star({0, 10}, {0.45, 0.15});
+  // Around the end of the shorter one, but not on the longer one.
+  const Spacing<2> spacing = constant_spacing(domain, 0.08).with_caps({{star.strands[1].at(0.1), 0.03, 0.001}});
+  const auto packed = pack_strands<2>(star.strands, {star.tie}, spacing, 0, 1);
+  const auto& p = packed[0];
+  for (std::size_t k = 0; k + 1 < p.position.size(); ++k)
+    EXPECT_LE(p.position[k + 1] - p.position[k], 8 * p.radius[k]) << k;
+}
+
+/// Where steps need not follow f, they are as long as asked for.
+TEST(Strands, StepsAreAtLeastAsLongAsAskedFor) {
+  const Domain<2> domain = build_domain(domains::unit_square());
+  const Spacing<2> spacing = constant_spacing(domain, 0.01);
+  Star star({0}, {0.4});
+  star.strands[0].least_step = 0.1;
+  const auto packed = pack_strands<2>(star.strands, {}, spacing, 0, 1);
+  EXPECT_EQ(packed[0].position.size(), 3U);
+  for (const double r : packed[0].radius) EXPECT_DOUBLE_EQ(r, 0.01);
+}
+
 }  // namespace
 }  // namespace voropack
