@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "base/random.h"
@@ -31,12 +30,12 @@ template <int D>
 class Mender {
  public:
   using Mesh = MovableMesh<D>;
-  static constexpr double kForbidden = std::numeric_limits<double>::infinity();
 
   Mender(const Packing<D>& packing, std::size_t n_boundary, const PackingProblem<D>& problem,
-         const Incidence<D>& incidence)
+         const Incidence<D>& incidence, const Observer& observer)
       : n_boundary_(n_boundary),
         problem_(problem),
+        observer_(observer),
         mesh_({packing.center.begin(), packing.center.end()}, packing.triangulation),
         carrier_(packing.carrier.begin(), packing.carrier.end()),
         pairs_(incidence),
@@ -48,6 +47,7 @@ class Mender {
     for (const Ball<D>& b : problem.balls) balls_.add(b);
   }
 
+  /// Returns how many stretched simplices are left.
   std::size_t run() {
     descend(0);
     for (int kick = 0; kick < kKicks && !stretched().empty(); ++kick) {
@@ -271,7 +271,9 @@ class Mender {
     return result;
   }
 
+  /// Makes the move that gains most for simplex s, if one gains more than that.
   bool improve(std::uint32_t s, double least_gain) {
+    observer_.check_cancelled();
     const Shape<D> shape = shape_of<D>(mesh_.corners(s));
     const double all = cost(s);
     Move best;
@@ -321,6 +323,7 @@ class Mender {
 
   std::size_t n_boundary_;
   const PackingProblem<D>& problem_;
+  const Observer& observer_;
   Mesh mesh_;
   std::vector<PolytopeId> carrier_;  ///< By vertex.
   SharpPairs<D> pairs_;
@@ -337,14 +340,16 @@ class Mender {
 
 template <int D>
 std::size_t mend_stretched(Packing<D>& packing, std::size_t n_boundary, const PackingProblem<D>& problem,
-                           const Incidence<D>& incidence) {
-  Mender<D> mender(packing, n_boundary, problem, incidence);
+                           const Incidence<D>& incidence, const Observer& observer) {
+  Mender<D> mender(packing, n_boundary, problem, incidence, observer);
   const std::size_t n_left = mender.run();
   mender.export_to(packing);
   return n_left;
 }
 
-template std::size_t mend_stretched(Packing<2>&, std::size_t, const PackingProblem<2>&, const Incidence<2>&);
-template std::size_t mend_stretched(Packing<3>&, std::size_t, const PackingProblem<3>&, const Incidence<3>&);
+template std::size_t mend_stretched(Packing<2>&, std::size_t, const PackingProblem<2>&, const Incidence<2>&,
+                                    const Observer&);
+template std::size_t mend_stretched(Packing<3>&, std::size_t, const PackingProblem<3>&, const Incidence<3>&,
+                                    const Observer&);
 
 }  // namespace voropack

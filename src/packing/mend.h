@@ -7,6 +7,7 @@
 
 #include "packing/incidence.h"
 #include "spheres/packing_problem.h"
+#include "voropack/observer.h"
 #include "voropack/packing.h"
 
 namespace voropack {
@@ -15,9 +16,10 @@ namespace voropack {
 /// protecting ball is much larger than the spheres beside it, the circumcenters there cannot be added, and what could
 /// be added elsewhere is not asked for: so maximality alone does not bound these simplices (docs/theory/sharp.md).
 ///
-/// Returns how many stretched simplices are left. Cost: some milliseconds for each.
+/// Returns how many stretched simplices are left. Some ten milliseconds for each that is there, and up to some seconds
+/// for those that stay. The same seed gives the same packing.
 template <int D>
 std::size_t mend_stretched(Packing<D>& packing, std::size_t n_boundary, const PackingProblem<D>& problem,
-                           const Incidence<D>& incidence);
+                           const Incidence<D>& incidence, const Observer& observer);
 
 }  // namespace voropack

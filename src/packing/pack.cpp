@@ -24,7 +24,8 @@ constexpr int kStretchedRounds = 3;
 /// Nor does f shrink once more if the mesh has grown to so many times the size of the best one, or has so many times
 /// its stretched simplices: some corners are the same at every scale.
 constexpr std::size_t kMostGrowth = 3, kMostStretched = 2;
-/// Nor if they are more than one in so many: what makes that many is nothing that a smaller f would mend.
+/// Nor if they are more than one in so many: what makes that many is nothing that single spheres or a smaller f would
+/// mend.
 constexpr std::size_t kFewStretched = 20;
 
 /// Walls of the domain with the regions on their sides.
@@ -215,7 +216,7 @@ class AdaptivePacker {
       best_->packing.repair_rounds = round;
       drop_traces(best_->packing, protection_.incidence);
     }
-    const std::size_t many = std::max(kFewStretched, n_simplices / kFewStretched);
+    const std::size_t many = many_stretched(best_->packing);
     const std::size_t too_many = std::max<std::size_t>(kFewStretched, kMostStretched * best_->n_stretched);
     if (n_stretched == 0 || n_stretched > many || n_stretched > too_many ||
         n_simplices > kMostGrowth * best_->n_simplices || ++stretched_rounds_ > kStretchedRounds)
@@ -262,14 +263,18 @@ class AdaptivePacker {
     return boundary.faults.empty();
   }
 
+  [[nodiscard]] static std::size_t many_stretched(const Packing<D>& packing) {
+    return std::max(kFewStretched, packing.triangulation.simplices.size() / kFewStretched);
+  }
+
   /// Adds the interior, and as faults its stretched simplices that no mending has removed.
   void add_interior(const PackingProblem<D>& problem, PackedInterior<D>&& interior, BoundaryPacking<D>& boundary) {
     append_interior(boundary.packing, std::move(interior));
     const Incidence<D>& incidence = protection_.incidence;
     boundary.faults = stretched_simplices(boundary.packing, incidence);
-    if (boundary.faults.empty()) return;
+    if (boundary.faults.empty() || boundary.faults.size() > many_stretched(boundary.packing)) return;
     observer_.log(LogLevel::kInfo, fmt::format("{} simplices are stretched", boundary.faults.size()));
-    mend_stretched(boundary.packing, n_fixed_, problem, incidence);
+    mend_stretched(boundary.packing, n_fixed_, problem, incidence, observer_);
     boundary.faults = stretched_simplices(boundary.packing, incidence);
   }
 
