@@ -58,7 +58,7 @@ struct SizeWishes {
   std::map<int, double> region_size;  ///< By region id; binds in the region's closure.
   std::map<int, double> marker_size;  ///< By marker of facets, segments or points; binds on them.
   std::optional<Field> field;
-  std::optional<Field> spacing_field;     ///< The same for f itself.
+  std::optional<Field> spacing_field;  ///< The same for f itself.
   std::vector<Tube> tubes;
   std::vector<InBox> boxes;
   std::optional<std::string> expression;  ///< Edge length as a formula in x, y (and z).

@@ -249,8 +249,8 @@ class StrandPacker {
     return places;
   }
 
-  /// Equal steps in the measure ds / f, where f does not grow faster from tied spheres at the ends than it may anywhere:
-  /// their radii are those of other strands.
+  /// Equal steps in the measure ds / f, where f does not grow faster from tied spheres at the ends than it may
+  /// anywhere: their radii are those of other strands.
   void add_steps(std::uint32_t index, double begin, double end, std::array<double, 2> tied,
                  std::vector<Shell>& places) const {
     const Strand<D>& strand = strands_[index];

@@ -71,9 +71,10 @@ void conserve(const Mesh<D>& from, const IdVector<VertexId, double>& before, con
     const bool has_new = found->second.free_volume > 0;
     const double volume = has_new ? found->second.free_volume : among_all.at(region).free_volume;
     if (missing != 0 && !(volume > 0))
-      throw InputError(Fault{.id = "transfer.not_conserved",
-                             .message = fmt::format("region {} has no vertex inside that could take {}", region, missing),
-                             .fix = "refine the region, or transfer without conserving"});
+      throw InputError(
+          Fault{.id = "transfer.not_conserved",
+                .message = fmt::format("region {} has no vertex inside that could take {}", region, missing),
+                .fix = "refine the region, or transfer without conserving"});
     shift[region] = {volume > 0 ? missing / volume : 0, has_new};
   }
   for (const CellId c : ids(volumes.cell_vertex)) {
@@ -122,10 +123,10 @@ template <int D>
 IdVector<VertexId, double> transfer(const Mesh<D>& from, const IdVector<VertexId, double>& values, const Mesh<D>& to,
                                     const TransferOptions& options) {
   if (values.size() != from.points.size())
-    throw InputError(Fault{.id = "transfer.wrong_length",
-                           .message = fmt::format("there are {} values for {} vertices", values.size(),
-                                                  from.points.size()),
-                           .fix = "give one value for each vertex"});
+    throw InputError(
+        Fault{.id = "transfer.wrong_length",
+              .message = fmt::format("there are {} values for {} vertices", values.size(), from.points.size()),
+              .fix = "give one value for each vertex"});
   const IdVector<VertexId, VertexId> old_vertex = same_vertices(from, to);
   const SparseMatrix weights = barycentric_prolongation(from, to, old_vertex.raw());
   IdVector<VertexId, double> result(to.points.size());
@@ -139,11 +140,11 @@ IdVector<VertexId, double> transfer(const Mesh<D>& from, const IdVector<VertexId
   return result;
 }
 
-#define VOROPACK_INSTANTIATE(D)                                                                              \
-  template IdVector<VertexId, VertexId> same_vertices(const Mesh<D>&, const Mesh<D>&);                       \
-  template CoarseningHierarchy<D> nested_hierarchy(const Domain<D>&, const std::vector<Mesh<D>>&);           \
-  template IdVector<VertexId, double> transfer(const Mesh<D>&, const IdVector<VertexId, double>&,            \
-                                               const Mesh<D>&, const TransferOptions&);
+#define VOROPACK_INSTANTIATE(D)                                                                                   \
+  template IdVector<VertexId, VertexId> same_vertices(const Mesh<D>&, const Mesh<D>&);                            \
+  template CoarseningHierarchy<D> nested_hierarchy(const Domain<D>&, const std::vector<Mesh<D>>&);                \
+  template IdVector<VertexId, double> transfer(const Mesh<D>&, const IdVector<VertexId, double>&, const Mesh<D>&, \
+                                               const TransferOptions&);
 VOROPACK_INSTANTIATE(2)
 VOROPACK_INSTANTIATE(3)
 #undef VOROPACK_INSTANTIATE
