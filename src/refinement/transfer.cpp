@@ -102,7 +102,8 @@ IdVector<VertexId, VertexId> same_vertices(const Mesh<D>& from, const Mesh<D>& t
 
 template <int D>
 CoarseningHierarchy<D> nested_hierarchy(const Domain<D>& domain, const std::vector<Mesh<D>>& meshes) {
-  CoarseningHierarchy<D> hierarchy{domain, {}};
+  CoarseningHierarchy<D> hierarchy;
+  hierarchy.domain = domain;
   for (std::size_t k = 1; k < meshes.size(); ++k) {
     CoarseLevel<D> level;
     level.mesh = meshes[k];
