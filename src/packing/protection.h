@@ -71,12 +71,14 @@ struct Intrusion {
 template <int D>
 class Protection {
   Domain<D> domain_;
-  const KeptVertices<D>& kept_vertices_;
+  KeptVertices<D> kept_vertices_;
 
  public:
-  /// `vertices` must outlive this.
-  Protection(const Domain<D>& domain, const KeptVertices<D>& vertices)
-      : domain_(domain), kept_vertices_(vertices), incidence(domain_), kept(domain_, incidence, vertices) {}
+  explicit Protection(const Domain<D>& domain, KeptVertices<D> vertices = {})
+      : domain_(domain),
+        kept_vertices_(std::move(vertices)),
+        incidence(domain_),
+        kept(domain_, incidence, kept_vertices_) {}
   Protection(const Protection&) = delete;
   Protection& operator=(const Protection&) = delete;
 

@@ -26,8 +26,10 @@ struct Star {
   Star(const std::vector<double>& angles_deg, const std::vector<double>& lengths) {
     for (std::size_t i = 0; i < angles_deg.size(); ++i) {
       const Vec<2> along{std::cos(sharp::radians(angles_deg[i])), std::sin(sharp::radians(angles_deg[i]))};
-      strands.push_back(
-          {.length = lengths[i], .at = [t = tip, along](double s) { return t + s * along; }, .positions = {}});
+      strands.push_back({.length = lengths[i],
+                         .at = [t = tip, along](double s) { return t + s * along; },
+                         .positions = {},
+                         .kept = {}});
       tie.ends.push_back({static_cast<std::uint32_t>(i), false});
     }
     tie.angle = sharp::radians(180);
