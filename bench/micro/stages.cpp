@@ -35,11 +35,14 @@ struct Stages {
   Mesh<3> mesh;
   ControlVolumes<3> volumes;
 
+  static SizeWishes<3> wishes_of(double size) {
+    SizeWishes<3> wishes;
+    wishes.size = size;
+    return wishes;
+  }
+
   explicit Stages(double size)
-      : spacing(build_spacing(
-            domain,
-            SizeWishes<3>{
-                .size = size, .spacing = {}, .region_size = {}, .marker_size = {}, .field = {}, .expression = {}})),
+      : spacing(build_spacing(domain, wishes_of(size))),
         packing(pack(domain, spacing)),
         mesh(triangulate(domain, Packing<3>(packing))),
         volumes(build_control_volumes(mesh)) {}

@@ -186,7 +186,9 @@ TYPED_TEST(Refinement, RefinesInPlaces) {
   for (const VertexId v : ids(refined.result.mesh.points)) {
     const Vec<D>& x = refined.result.mesh.points[v];
     const bool in_box = std::ranges::all_of(x.coord, [](double c) { return c >= 0.9; });
-    if (in_box || distance(x, center) <= 0.1) EXPECT_LE(refined.result.mesh.vertex_spacing[v], f * (1 + 1e-12));
+    if (in_box || distance(x, center) <= 0.1) {
+      EXPECT_LE(refined.result.mesh.vertex_spacing[v], f * (1 + 1e-12));
+    }
   }
 }
 
