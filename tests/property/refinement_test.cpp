@@ -263,7 +263,8 @@ TYPED_TEST(Refinement, TransfersValues) {
     return values;
   };
   const auto there = transfer(coarse, at(coarse, linear), fine);
-  for (const VertexId v : ids(fine.points)) EXPECT_NEAR(there[v], linear(fine.points[v]), 1e-12);
+  // A vertex that is less than 1e-10 of a simplex's height off its face is interpolated on the face.
+  for (const VertexId v : ids(fine.points)) EXPECT_NEAR(there[v], linear(fine.points[v]), 1e-9);
 
   const auto old_vertex = same_vertices(coarse, fine);
   const IdVector<VertexId, double> before = at(coarse, bent);
