@@ -2,36 +2,21 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
-#include "base/parallel.h"
 #include "coarsening/fine_mesh.h"
+#include "coarsening/initial_spacing.h"
 #include "voropack/error.h"
 #include "voropack/refinement.h"
 
 namespace voropack {
 
-template <int D>
-IdVector<VertexId, double> spacing_at_vertices(const Mesh<D>& mesh, double lipschitz) {
-  const Csr<VertexId, VertexId> neighbors = vertex_neighbors(mesh);
-  IdVector<VertexId, double> f = mesh.vertex_spacing;
-  if (f.empty()) {
-    f.resize(mesh.points.size());
-    parallel_for(mesh.points.size(), [&](std::size_t i) {
-      const VertexId v(i);
-      double nearest_sq = std::numeric_limits<double>::infinity();
-      for (const VertexId w : neighbors[v])
-        nearest_sq = std::min(nearest_sq, distance_sq(mesh.points[v], mesh.points[w]));
-      f[v] = 0.5 * std::sqrt(nearest_sq);
-    });
-  }
-  make_lipschitz(mesh, neighbors, lipschitz, f);
-  return f;
-}
+namespace {
 
+/// f is Lipschitz already.
 template <int D>
-Spacing<D> spacing_through(const Mesh<D>& mesh, const Domain<D>& domain, IdVector<VertexId, double> f,
-                           const SizeWishes<D>& wishes, const SpacingOptions& options, Observer& observer) {
-  make_lipschitz(mesh, vertex_neighbors(mesh), options.gradation, f);
+Spacing<D> interpolate(const Mesh<D>& mesh, const Domain<D>& domain, IdVector<VertexId, double> f,
+                       const SizeWishes<D>& wishes, const SpacingOptions& options, Observer& observer) {
   const double largest = *std::max_element(f.begin(), f.end());
   SizeWishes<D> all = wishes;
   all.spacing = std::min(largest, wishes.spacing.value_or(std::numeric_limits<double>::infinity()));
@@ -48,6 +33,25 @@ Spacing<D> spacing_through(const Mesh<D>& mesh, const Domain<D>& domain, IdVecto
   return build_spacing(domain, all, options, observer);
 }
 
+}  // namespace
+
+template <int D>
+IdVector<VertexId, double> spacing_at_vertices(const Mesh<D>& mesh, double lipschitz) {
+  const Csr<VertexId, VertexId> neighbors = vertex_neighbors(mesh);
+  IdVector<VertexId, double> f = mesh.vertex_spacing.empty()
+                                     ? initial_spacing(mesh, neighbors, InitialSpacing::kNearest).nearest
+                                     : mesh.vertex_spacing;
+  make_lipschitz(mesh, neighbors, lipschitz, f);
+  return f;
+}
+
+template <int D>
+Spacing<D> spacing_through(const Mesh<D>& mesh, const Domain<D>& domain, IdVector<VertexId, double> f,
+                           const SizeWishes<D>& wishes, const SpacingOptions& options, Observer& observer) {
+  make_lipschitz(mesh, vertex_neighbors(mesh), options.gradation, f);
+  return interpolate(mesh, domain, std::move(f), wishes, options, observer);
+}
+
 template <int D>
 Spacing<D> refined_spacing(const Mesh<D>& mesh, const Domain<D>& domain, double factor, const SizeWishes<D>& wishes,
                            const SpacingOptions& options, Observer& observer) {
@@ -57,7 +61,7 @@ Spacing<D> refined_spacing(const Mesh<D>& mesh, const Domain<D>& domain, double 
                             .fix = "give a number greater than 0 and at most 1"});
   IdVector<VertexId, double> f = spacing_at_vertices(mesh, options.gradation);
   for (double& value : f) value *= factor;
-  return spacing_through(mesh, domain, f, wishes, options, observer);
+  return interpolate(mesh, domain, std::move(f), wishes, options, observer);
 }
 
 template IdVector<VertexId, double> spacing_at_vertices(const Mesh<2>&, double);

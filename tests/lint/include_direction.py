@@ -50,7 +50,8 @@ FOLDERS = {
              "solve/conservation.h"]),
     "mesh_domain": (BASICS + ["mesh", "domain", "mesh_domain"], ["base", "geom", "mesh"]),
     "coarsening": (up_to("delaunay") + ["linear_system", "coarsening"], ["base", "geom", "mesh", "spheres", "packing"]),
-    "refinement": (up_to("refinement"), ["base", "geom", "mesh", "coarsening/fine_mesh.h", "coarsening/prolongation.h"]),
+    "refinement": (up_to("refinement"), ["base", "geom", "mesh", "coarsening/fine_mesh.h", "coarsening/initial_spacing.h",
+                                           "coarsening/prolongation.h"]),
     "norms": (BASICS + ["mesh", "dual", "norms"], ["base", "geom", "mesh"]),
 }
 
