@@ -100,16 +100,8 @@ ExitCode refine_mesh(const Mesh<D>& mesh, const RefineArguments& arguments, Stag
   report.input = describe_file(arguments.mesh, D);
   report.input.regions = place.domain.region_id.size();
   report.quality = timed(times, "quality", [&] { return measure_quality(refined.mesh, volumes, observer); });
-  CertificateOptions claims;
-  claims.gradation = options.gradation;
-  claims.form = options.packing.form;
-  claims.epsilon = options.packing.epsilon;
-  const Spacing<D> repaired = refined.repairs.empty() ? spacing : spacing.with_caps(refined.repairs);
-  claims.spacing = [&](std::span<const double> x) {
-    Vec<D> p;
-    std::copy(x.begin(), x.end(), p.coord.begin());
-    return repaired(p);
-  };
+  const CertificateOptions claims =
+      packing_claims(refined.repairs.empty() ? spacing : spacing.with_caps(refined.repairs), options.packing);
   report.certificate =
       timed(times, "certificate", [&] { return certify(refined.mesh, volumes, &place.domain, claims, observer); });
   report.packing = PackingFigures{.repairs = refined.repairs.size(), .repair_rounds = refined.repair_rounds};

@@ -43,6 +43,10 @@ struct MeshingResult {
   StageTimes times;
 };
 
+/// What a mesh may claim that was packed with a spacing function (with the caps of its repairs).
+template <int D>
+CertificateOptions packing_claims(const Spacing<D>& spacing, const PackingOptions& packing);
+
 /// From a domain to a certified mesh with its control volumes.
 template <int D>
 MeshingResult<D> make_mesh(const DomainInput<D>& input, const MeshingOptions<D>& options = {},

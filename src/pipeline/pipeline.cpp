@@ -29,6 +29,20 @@ class Stopwatch {
 }  // namespace
 
 template <int D>
+CertificateOptions packing_claims(const Spacing<D>& spacing, const PackingOptions& packing) {
+  CertificateOptions claims;
+  claims.gradation = spacing.lipschitz();
+  claims.form = packing.form;
+  claims.epsilon = packing.epsilon;
+  claims.spacing = [spacing](std::span<const double> x) {
+    Vec<D> p;
+    std::copy(x.begin(), x.end(), p.coord.begin());
+    return spacing(p);
+  };
+  return claims;
+}
+
+template <int D>
 MeshingResult<D> make_mesh(const DomainInput<D>& input, const MeshingOptions<D>& options, Observer& observer) {
   MeshingResult<D> result;
   Stopwatch timed(result.times);
@@ -61,21 +75,15 @@ MeshingResult<D> make_mesh(const DomainInput<D>& input, const MeshingOptions<D>&
 
     // 6. What they are worth, and the proof of what is claimed.
     result.quality = timed("quality", [&] { return measure_quality(result.mesh, result.volumes, observer); });
-    CertificateOptions claims;
-    claims.gradation = options.gradation;
-    claims.form = options.packing.form;
-    claims.epsilon = options.packing.epsilon;
-    claims.spacing = [&](std::span<const double> x) {
-      Vec<D> p;
-      std::copy(x.begin(), x.end(), p.coord.begin());
-      return spacing(p);
-    };
+    const CertificateOptions claims = packing_claims(spacing, options.packing);
     result.certificate =
         timed("certificate", [&] { return certify(result.mesh, result.volumes, &result.domain, claims, observer); });
   });
   return result;
 }
 
+template CertificateOptions packing_claims(const Spacing<2>&, const PackingOptions&);
+template CertificateOptions packing_claims(const Spacing<3>&, const PackingOptions&);
 template MeshingResult<2> make_mesh(const DomainInput<2>&, const MeshingOptions<2>&, Observer&);
 template MeshingResult<3> make_mesh(const DomainInput<3>&, const MeshingOptions<3>&, Observer&);
 

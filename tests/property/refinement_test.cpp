@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <span>
 
 #include "support/allow_threads.h"
 #include "support/cases.h"
@@ -35,16 +34,7 @@ Refined<D> refine_by(const Mesh<D>& mesh, double factor, const SizeWishes<D>& wi
 
 template <int D>
 Certificate certificate_of(const Refined<D>& refined, const PackingOptions& packing = {}) {
-  const Spacing<D> f = refined.spacing.with_caps(refined.result.repairs);
-  CertificateOptions claims;
-  claims.gradation = f.lipschitz();
-  claims.form = packing.form;
-  claims.epsilon = packing.epsilon;
-  claims.spacing = [&f](std::span<const double> x) {
-    Vec<D> p;
-    std::copy(x.begin(), x.end(), p.coord.begin());
-    return f(p);
-  };
+  const CertificateOptions claims = packing_claims(refined.spacing.with_caps(refined.result.repairs), packing);
   const Mesh<D>& mesh = refined.result.mesh;
   return certify(mesh, build_control_volumes(mesh), &refined.place.domain, claims);
 }
