@@ -39,8 +39,8 @@ class ExpressionError : public std::runtime_error {
 ///     power      = primary ["^" unary]                                    right associative, so -x^2 = -(x^2)
 ///     primary    = number | variable | "pi" | "e" | name "(" comparison {"," comparison} ")" | "(" comparison ")"
 ///
-/// Functions: sqrt abs exp log (natural) sin cos tan, of one argument; pow hypot of two; min max of one or more;
-/// if(condition, then, else), where every value but 0 is true.
+/// Functions: sqrt abs exp log (natural) sin cos tan asin acos atan sinh cosh tanh, of one argument; pow hypot
+/// atan2(y, x) of two; min max of one or more; if(condition, then, else), where every value but 0 is true.
 class Expression {
  public:
   /// Throws ExpressionError. A variable hides a constant of the same name.
@@ -88,9 +88,16 @@ class Expression {
     kSin,
     kCos,
     kTan,
+    kAsin,
+    kAcos,
+    kAtan,
+    kSinh,
+    kCosh,
+    kTanh,
     kMin,
     kMax,
     kHypot,
+    kAtan2,
     kIf
   };
   /// An instruction of a stack machine.

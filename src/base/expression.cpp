@@ -59,17 +59,24 @@ class ExpressionParser {
     std::size_t least, most;  ///< Number of arguments.
   };
   static constexpr std::size_t kAnyNumber = 1000;
-  static constexpr std::array<Function, 12> kFunctions = {{{"sqrt", Op::kSqrt, 1, 1},
+  static constexpr std::array<Function, 19> kFunctions = {{{"sqrt", Op::kSqrt, 1, 1},
                                                            {"abs", Op::kAbs, 1, 1},
                                                            {"exp", Op::kExp, 1, 1},
                                                            {"log", Op::kLog, 1, 1},
                                                            {"sin", Op::kSin, 1, 1},
                                                            {"cos", Op::kCos, 1, 1},
                                                            {"tan", Op::kTan, 1, 1},
+                                                           {"asin", Op::kAsin, 1, 1},
+                                                           {"acos", Op::kAcos, 1, 1},
+                                                           {"atan", Op::kAtan, 1, 1},
+                                                           {"sinh", Op::kSinh, 1, 1},
+                                                           {"cosh", Op::kCosh, 1, 1},
+                                                           {"tanh", Op::kTanh, 1, 1},
                                                            {"min", Op::kMin, 1, kAnyNumber},
                                                            {"max", Op::kMax, 1, kAnyNumber},
                                                            {"pow", Op::kPower, 2, 2},
                                                            {"hypot", Op::kHypot, 2, 2},
+                                                           {"atan2", Op::kAtan2, 2, 2},
                                                            {"if", Op::kIf, 3, 3}}};
 
   [[noreturn]] void fail(std::string reason, std::size_t at) const {
@@ -278,6 +285,8 @@ double Expression::apply(Op op, double a, double b) {
       return std::fmax(a, b);
     case Op::kHypot:
       return std::hypot(a, b);
+    case Op::kAtan2:
+      return std::atan2(a, b);
     case Op::kNegate:
       return -b;
     case Op::kSqrt:
@@ -294,6 +303,18 @@ double Expression::apply(Op op, double a, double b) {
       return std::cos(b);
     case Op::kTan:
       return std::tan(b);
+    case Op::kAsin:
+      return std::asin(b);
+    case Op::kAcos:
+      return std::acos(b);
+    case Op::kAtan:
+      return std::atan(b);
+    case Op::kSinh:
+      return std::sinh(b);
+    case Op::kCosh:
+      return std::cosh(b);
+    case Op::kTanh:
+      return std::tanh(b);
     default:
       return b;
   }
@@ -320,6 +341,8 @@ double Expression::apply_derivative(Op op, double a, double b, double da, double
       return std::isnan(b) || a >= b ? da : db;
     case Op::kHypot:
       return times(a / std::hypot(a, b), da) + times(b / std::hypot(a, b), db);
+    case Op::kAtan2:
+      return times(b / (a * a + b * b), da) - times(a / (a * a + b * b), db);
     case Op::kNegate:
       return -db;
     case Op::kSqrt:
@@ -336,6 +359,18 @@ double Expression::apply_derivative(Op op, double a, double b, double da, double
       return times(-std::sin(b), db);
     case Op::kTan:
       return times(1 + std::tan(b) * std::tan(b), db);
+    case Op::kAsin:
+      return times(1 / std::sqrt(1 - b * b), db);
+    case Op::kAcos:
+      return times(-1 / std::sqrt(1 - b * b), db);
+    case Op::kAtan:
+      return times(1 / (1 + b * b), db);
+    case Op::kSinh:
+      return times(std::cosh(b), db);
+    case Op::kCosh:
+      return times(std::sinh(b), db);
+    case Op::kTanh:
+      return times(1 - std::tanh(b) * std::tanh(b), db);
     default:  // Comparisons.
       return 0;
   }
@@ -408,6 +443,12 @@ void Expression::run(const ArgumentAt& argument_at, std::size_t n, std::size_t v
       case Op::kSin:
       case Op::kCos:
       case Op::kTan:
+      case Op::kAsin:
+      case Op::kAcos:
+      case Op::kAtan:
+      case Op::kSinh:
+      case Op::kCosh:
+      case Op::kTanh:
         apply_to_all(step.op, top - kWidth, top - kWidth, n, top - kWidth);
         break;
       case Op::kIf:

@@ -53,6 +53,9 @@ TEST(Expression, KnowsItsFunctionsAndConstants) {
   EXPECT_DOUBLE_EQ(value("exp(log(x))", 3), 3);
   EXPECT_DOUBLE_EQ(value("sin(pi/2) + cos(0) + tan(0)"), 2);
   EXPECT_DOUBLE_EQ(value("log(e)"), 1);
+  EXPECT_DOUBLE_EQ(value("asin(sin(x)) + acos(cos(x)) + atan(tan(x))", 0.5), 1.5);
+  EXPECT_DOUBLE_EQ(value("atan2(x, y)", 1, -1), 0.75 * std::numbers::pi);
+  EXPECT_DOUBLE_EQ(value("tanh(x)*cosh(x)", 0.5), value("sinh(x)", 0.5));
   EXPECT_DOUBLE_EQ(value("min(3, x, y)", 2, 1), 1);
   EXPECT_DOUBLE_EQ(value("max(x)", 2), 2);
   EXPECT_DOUBLE_EQ(value("if(x < y, 10, 20)", 1, 2), 10);
@@ -78,6 +81,11 @@ TEST(Expression, DerivativesAgreeWithDifferenceQuotients) {
                                  "log(x)",
                                  "sin(x)*cos(y)",
                                  "tan(x)",
+                                 "asin(x) + acos(x*y)",
+                                 "atan(x/y)",
+                                 "atan2(x, y)",
+                                 "sinh(x)*cosh(y)",
+                                 "tanh(x*y)",
                                  "min(x, y, 9)",
                                  "max(x, y)",
                                  "hypot(x, y)",
@@ -119,7 +127,8 @@ TEST(Expression, ManyPointsAtOnceGiveTheSameBits) {
   const auto bits = [](double value) { return std::isnan(value) ? kNaN : std::bit_cast<std::uint64_t>(value); };
   for (const std::string text :
        {"x", "y", "3", "x + y - 2*x/y", "-x^3", "sqrt(x) + log(x)", "exp(x)*sin(y*x) - cos(x)/tan(y)",
-        "if(x < 0, abs(x), min(x, y, 1)) + max(x, y)", "hypot(x, y) + (x >= y) - (x != 1)", "pow(x, y)"}) {
+        "if(x < 0, abs(x), min(x, y, 1)) + max(x, y)", "hypot(x, y) + (x >= y) - (x != 1)",
+        "atan2(x, y) + tanh(x)*atan(y) + sinh(x)/cosh(y)", "asin(x) + acos(y)", "pow(x, y)"}) {
     const Expression formula(text, kNames);
     std::vector<double> values(kN), slopes(kN);
     formula.evaluate(arguments, values);
