@@ -91,6 +91,8 @@ class SizeAtoms {
   }
   /// The value at a point of a local atom; nothing if x is outside of it.
   [[nodiscard]] std::optional<double> inside(std::uint32_t i, const Vec<D>& x) const;
+  /// The value of a local atom that is constant.
+  [[nodiscard]] std::optional<double> constant(std::uint32_t i) const;
   /// What `at` is between. Of local atoms, for less than `at` costs; of others exact.
   [[nodiscard]] Interval bounds(std::uint32_t i, const Vec<D>& x) const;
   /// By value, the least first.

@@ -229,8 +229,19 @@ struct SpacingTree<D>::Builder {
     std::erase_if(lists.atoms, [&](const WorkAtom& a) {
       return a.at_center - b * h > limit || a.at_center - b * h >= lists.constant;
     });
+    join_constant_atoms(lists, meets_local);
     value = std::min({value, lists.constant, least});
     return limit;
+  }
+
+  /// Where a field has one value in all that a cell meets of it, that is a constant.
+  void join_constant_atoms(Lists& lists, bool meets_local) const {
+    if (!meets_local || lists.atoms.empty()) return;
+    const std::optional<double> first = sources.sizes.constant(lists.atoms.front().index);
+    const auto is_same = [&](const WorkAtom& a) { return sources.sizes.constant(a.index) == first; };
+    if (!first || !std::all_of(lists.atoms.begin(), lists.atoms.end(), is_same)) return;
+    lists.constant = std::min(lists.constant, *first);
+    lists.atoms.clear();
   }
 
   using OwnerDistances = std::vector<std::pair<std::uint32_t, double>>;
