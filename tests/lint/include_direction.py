@@ -16,7 +16,8 @@ import tempfile
 # Public headers in the order of the data; each may include those before it.
 PUBLIC = ["index", "error", "expression", "vec", "observer", "mesh", "domain", "mesh_domain", "spacing", "packing",
           "delaunay", "dual", "boundary_areas", "cell_integrals", "io", "quality", "certificate", "pipeline",
-          "linear_system", "diffusion", "nonlinear", "transient", "multigrid", "fem", "norms", "coarsening", "refinement"]
+          "linear_system", "diffusion", "nonlinear", "transient", "multigrid", "fem", "norms", "coarsening", "refinement",
+          "adaptivity"]
 BASICS = ["index", "error", "expression", "vec", "observer"]
 
 
@@ -53,6 +54,9 @@ FOLDERS = {
     "refinement": (up_to("refinement"), ["base", "geom", "mesh", "coarsening/fine_mesh.h", "coarsening/initial_spacing.h",
                                            "coarsening/prolongation.h"]),
     "norms": (BASICS + ["mesh", "dual", "norms"], ["base", "geom", "mesh"]),
+    # The error's equation is assembled as the solution's is.
+    "adaptivity": (up_to("adaptivity"), ["base", "coarsening/fine_mesh.h", "norms/dual_face_parts.h", "solve/assemble.h",
+                                         "solve/cell_index.h", "solve/coefficients.h", "solve/floating_parts.h"]),
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)

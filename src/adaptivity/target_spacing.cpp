@@ -1,0 +1,149 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "adaptivity/cell_neighbors.h"
+#include "coarsening/fine_mesh.h"
+#include "voropack/adaptivity.h"
+#include "voropack/error.h"
+#include "voropack/refinement.h"
+
+namespace voropack {
+
+namespace {
+
+/// Recovered derivatives scatter from vertex to vertex: so many averages over neighbors even that out.
+constexpr int kAverages = 2;
+/// Where the solution is straight, f would be infinite: it grows to this multiple of its least value at most.
+constexpr double kLargestRatio = 32;
+/// The least value is kept up to where this multiple of it would do: there irregular cells beside the lattice cost less
+/// than more of the lattice does. Measured, as what follows.
+template <int D>
+constexpr double kFirstStep = D == 2 ? 2.5 : 2;
+/// Beyond, f grows in steps of 2 in space; in the plane, where lattices fit a wider range of f, as it likes.
+template <int D>
+constexpr bool kGrowsInSteps = D == 3;
+/// Halvings of the interval that holds the factor k.
+constexpr int kBisections = 60;
+
+/// [n_cells] the mean over each cell and its neighbors, so many times.
+IdVector<CellId, double> smoothed(const Csr<CellId, CellId>& neighbors, IdVector<CellId, double> x) {
+  IdVector<CellId, double> average(x.size());
+  for (int k = 0; k < kAverages; ++k) {
+    parallel_for(x.size(), [&](std::size_t i) {
+      const CellId c(i);
+      double sum = x[c];
+      for (const CellId d : neighbors[c]) sum += x[d];
+      average[c] = sum / static_cast<double>(neighbors[c].size() + 1);
+    });
+    std::swap(x, average);
+  }
+  return x;
+}
+
+/// [n_vertices] f over its least value.
+template <int D>
+VertexValues spacing_ratios(const ControlVolumes<D>& volumes, const RecoveredDerivatives<D>& derivatives) {
+  const std::size_t n = volumes.cell_vertex.size();
+  const Csr<CellId, CellId> neighbors = cell_neighbors(cells_of_faces(volumes), n);
+  const auto curvature = smoothed(neighbors, derivatives.curvature), third = smoothed(neighbors, derivatives.third);
+  VertexValues product(volumes.sites.size(), 0.0);
+  for (const CellId c : ids(curvature)) {
+    const VertexId v = volumes.cell_vertex[c];
+    product[v] = std::max(product[v], curvature[c] * third[c]);
+  }
+  const double largest = *std::ranges::max_element(product);
+  VertexValues ratios(product.size(), 1.0);
+  if (!(largest > 0)) return ratios;
+  parallel_for(ratios.size(), [&](std::size_t i) {
+    const VertexId v(i);
+    const double ratio = std::min(std::pow(product[v] / largest, -1.0 / (D + 3)), kLargestRatio);
+    if (ratio < kFirstStep<D>) return;
+    ratios[v] = kGrowsInSteps<D> ? std::exp2(std::floor(std::log2(ratio / kFirstStep<D>)) + 1) : ratio;
+  });
+  return ratios;
+}
+
+}  // namespace
+
+template <int D>
+VertexValues target_spacing(const ControlVolumes<D>& volumes, const RecoveredDerivatives<D>& derivatives,
+                            const IdVector<VertexId, double>& spacing, const TargetOptions& options) {
+  if (!(options.n_vertices > 0 && options.least_factor > 0 && options.least_factor <= options.largest_factor))
+    throw OptionError(Fault{.id = "adapt.bad_option",
+                            .message = fmt::format("{} vertices are wanted, with factors of the spacing from {} to {}",
+                                                   options.n_vertices, options.least_factor, options.largest_factor),
+                            .fix = "give positive numbers, the factors in ascending order"});
+  if (spacing.size() != volumes.sites.size() || derivatives.curvature.size() != volumes.cell_vertex.size())
+    throw InputError(Fault{.id = "adapt.wrong_length",
+                           .message = fmt::format("{} values of the spacing and {} of the derivatives for {} vertices "
+                                                  "with {} cells",
+                                                  spacing.size(), derivatives.curvature.size(), volumes.sites.size(),
+                                                  volumes.cell_vertex.size()),
+                           .fix = "give one spacing for each vertex, and derivatives recovered on the same mesh"});
+  const VertexValues ratios = spacing_ratios(volumes, derivatives);
+  VertexValues volume(spacing.size(), 0.0);
+  for (const CellId c : ids(volumes.cell_volume)) volume[volumes.cell_vertex[c]] += volumes.cell_volume[c];
+  const auto at = [&](VertexId v, double k) {
+    return std::clamp(k * ratios[v], options.least_factor * spacing[v], options.largest_factor * spacing[v]);
+  };
+  const auto density = [&](auto&& f) {
+    double sum = 0;
+    for (const VertexId v : ids(spacing)) sum += volume[v] * std::pow(f(v), -D);
+    return sum;
+  };
+  const double wanted =
+      density([&](VertexId v) { return spacing[v]; }) * options.n_vertices / static_cast<double>(spacing.size());
+  // The density falls with k.
+  double lo = std::log(1e-12 * *std::ranges::min_element(spacing));
+  double hi = std::log(1e12 * *std::ranges::max_element(spacing));
+  for (int step = 0; step < kBisections; ++step) {
+    const double middle = 0.5 * (lo + hi);
+    (density([&](VertexId v) { return at(v, std::exp(middle)); }) > wanted ? lo : hi) = middle;
+  }
+  VertexValues result(spacing.size());
+  for (const VertexId v : ids(result)) result[v] = at(v, std::exp(hi));
+  return result;
+}
+
+namespace {
+
+/// f grows along edges, whose paths are up to 1.998 times as long as straight lines in the plane, and somewhat more in
+/// space: where values may differ by half of what is Lipschitz along edges, f is Lipschitz.
+constexpr double kEdgeSlope = 0.5;
+/// Packings of the same spacing differ by some percent.
+constexpr double kCountTolerance = 0.05;
+constexpr int kCountTrials = 5;
+
+}  // namespace
+
+template <int D>
+Spacing<D> adapted_spacing(const Mesh<D>& mesh, const Domain<D>& domain, const ControlVolumes<D>& volumes,
+                           const RecoveredDerivatives<D>& derivatives, const TargetOptions& options,
+                           const SizeWishes<D>& wishes, const SpacingOptions& spacing_options,
+                           const PackingOptions& packing, Observer& observer) {
+  const IdVector<VertexId, double> before = spacing_at_vertices(mesh, spacing_options.gradation);
+  const Csr<VertexId, VertexId> neighbors = vertex_neighbors(mesh);
+  TargetOptions target = options;
+  for (int trial = 1;; ++trial) {
+    VertexValues f = target_spacing(volumes, derivatives, before, target);
+    make_lipschitz(mesh, neighbors, kEdgeSlope * spacing_options.gradation, f);
+    Spacing<D> spacing = spacing_through(mesh, domain, std::move(f), wishes, spacing_options, observer);
+    const double excess = estimate_sphere_count(domain, spacing, packing) / options.n_vertices;
+    if (trial == kCountTrials || std::abs(excess - 1) <= kCountTolerance) return spacing;
+    target.n_vertices /= excess;
+  }
+}
+
+#define VOROPACK_INSTANTIATE(D)                                                                                   \
+  template VertexValues target_spacing(const ControlVolumes<D>&, const RecoveredDerivatives<D>&,                  \
+                                       const IdVector<VertexId, double>&, const TargetOptions&);                  \
+  template Spacing<D> adapted_spacing(const Mesh<D>&, const Domain<D>&, const ControlVolumes<D>&,                 \
+                                      const RecoveredDerivatives<D>&, const TargetOptions&, const SizeWishes<D>&, \
+                                      const SpacingOptions&, const PackingOptions&, Observer&);
+VOROPACK_INSTANTIATE(2)
+VOROPACK_INSTANTIATE(3)
+#undef VOROPACK_INSTANTIATE
+
+}  // namespace voropack

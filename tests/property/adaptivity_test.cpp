@@ -1,0 +1,229 @@
+// Errors are known without the exact solution, and adapted meshes make them fall as fast as the theory says where
+// solutions are singular or steep.
+#include "voropack/adaptivity.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "support/cases.h"
+#include "voropack/boundary_areas.h"
+#include "voropack/cell_integrals.h"
+#include "voropack/diffusion.h"
+#include "voropack/dual.h"
+#include "voropack/error.h"
+#include "voropack/refinement.h"
+
+namespace voropack {
+namespace {
+
+/// -Laplace u = source with the exact values on the whole boundary.
+template <int D>
+struct ExactProblem {
+  std::function<double(const Vec<D>&)> u;
+  std::function<double(const Vec<D>&)> source;
+};
+
+template <int D>
+struct Solution {
+  ControlVolumes<D> volumes;
+  BoundaryAreas<D> areas;
+  DiffusionProblem<D> problem;
+  VertexValues values;
+  double error;  ///< In the W norm.
+};
+
+template <int D>
+Solution<D> solve_exact(const Mesh<D>& mesh, const ExactProblem<D>& exact) {
+  Solution<D> result{build_control_volumes(mesh), build_boundary_areas(mesh), {}, {}, 0};
+  DiffusionProblem<D>& problem = result.problem;
+  problem.source_integrals = integrate_over_cells<D>(
+      build_cell_shapes(mesh, result.volumes), result.volumes,
+      std::function<double(const Vec<D>&, int)>([&](const Vec<D>& x, int) { return exact.source(x); }));
+  for (const int marker : result.areas.patch_marker) problem.conditions[marker] = Dirichlet<D>{exact.u};
+  result.values = solve(result.volumes, result.areas, problem).values;
+  VertexValues errors(result.values.size());
+  for (const VertexId v : ids(errors)) errors[v] = result.values[v] - exact.u(mesh.points[v]);
+  result.error = w_norm(result.volumes, errors, find_hull_vertices(mesh));
+  return result;
+}
+
+template <int D>
+Mesh<D> uniform_mesh(const DomainInput<D>& input, double size) {
+  MeshingOptions<D> options;
+  options.wishes.size = size;
+  return make_mesh(input, options).mesh;
+}
+
+struct Cycle {
+  double n_vertices, error, effectivity;
+};
+
+/// Each cycle multiplies the number of vertices by about `growth`.
+template <int D>
+std::vector<Cycle> adapt(Mesh<D> mesh, const ExactProblem<D>& exact, int n_cycles, double growth, bool keep_all) {
+  std::vector<Cycle> cycles;
+  const MeshDomain<D> first = domain_of(mesh);
+  for (;;) {
+    const Solution<D> solved = solve_exact(mesh, exact);
+    const auto derivatives = recover_derivatives(solved.volumes, solved.values);
+    const ErrorEstimate estimate =
+        estimate_error(mesh, solved.volumes, solved.areas, solved.problem, solved.values, derivatives);
+    EXPECT_LE(estimate.smooth, estimate.truncation * (1 + 1e-6));
+    const auto n = static_cast<double>(mesh.points.size());
+    cycles.push_back({n, solved.error, estimate.w / solved.error});
+    if (static_cast<int>(cycles.size()) > n_cycles) return cycles;
+    TargetOptions target{.n_vertices = growth * n};
+    if (keep_all) target.largest_factor = 1;
+    const Spacing<D> spacing = adapted_spacing(mesh, first.domain, solved.volumes, derivatives, target);
+    mesh =
+        keep_all ? refine(mesh, domain_of(mesh), spacing).mesh : triangulate(first.domain, pack(first.domain, spacing));
+  }
+}
+
+double slope(const Cycle& a, const Cycle& b) {
+  return std::log(b.error / a.error) / std::log(b.n_vertices / a.n_vertices);
+}
+
+void expect_effective_after_two(const std::vector<Cycle>& cycles) {
+  for (std::size_t k = 3; k < cycles.size(); ++k) {
+    EXPECT_GE(cycles[k].effectivity, 0.5) << "cycle " << k;
+    EXPECT_LE(cycles[k].effectivity, 2) << "cycle " << k;
+  }
+}
+
+/// r^(2/3) sin(2 theta / 3) about the re-entrant corner of domains::l_shape, at (1, 1).
+template <int D>
+ExactProblem<D> corner_singularity() {
+  return {[](const Vec<D>& x) {
+            const double a = x[0] - 1, b = x[1] - 1, r = std::hypot(a, b);
+            double angle = std::atan2(b, a) - std::numbers::pi / 2;
+            if (angle < -1e-9) angle += 2 * std::numbers::pi;
+            return r == 0 ? 0 : std::pow(r, 2.0 / 3) * std::sin(2 * angle / 3);
+          },
+          [](const Vec<D>&) { return 0.0; }};
+}
+
+ExactProblem<2> circular_layer() {
+  constexpr double kWidth = 0.02, kRadius = 0.25;
+  const auto radius = [](const Vec<2>& x) { return std::hypot(x[0] - 0.5, x[1] - 0.5); };
+  return {[=](const Vec<2>& x) { return std::tanh((radius(x) - kRadius) / kWidth); },
+          [=](const Vec<2>& x) {
+            const double r = std::max(radius(x), 1e-12), t = std::tanh((r - kRadius) / kWidth);
+            const double first = (1 - t * t) / kWidth, second = -2 * t * first / kWidth;
+            return -(second + first / r);
+          }};
+}
+
+/// Figure 3 of [Miller1996].
+ExactProblem<3> exponential() {
+  constexpr double kPi = std::numbers::pi;
+  return {[](const Vec<3>& x) {
+            return std::exp(kPi * x[0]) * std::cos(kPi * x[1] / std::sqrt(2)) * std::sin(kPi * x[2] / std::sqrt(2));
+          },
+          [](const Vec<3>&) { return 0.0; }};
+}
+
+TEST(Adaptivity, ReentrantCornerInThePlane) {
+  for (const bool keep_all : {false, true}) {
+    const auto cycles = adapt<2>(uniform_mesh(domains::l_shape<2>(), 0.3), corner_singularity<2>(), 6, 2.5, keep_all);
+    EXPECT_LE(slope(cycles.front(), cycles.back()), -0.47);
+    expect_effective_after_two(cycles);
+  }
+}
+
+TEST(Adaptivity, ReentrantEdgeInSpace) {
+  for (const bool keep_all : {false, true}) {
+    const auto cycles = adapt<3>(uniform_mesh(domains::l_shape<3>(), 0.5), corner_singularity<3>(), 4, 3, keep_all);
+    EXPECT_LE(slope(cycles.front(), cycles.back()), -0.30);
+    expect_effective_after_two(cycles);
+  }
+}
+
+TEST(Adaptivity, InteriorLayer) {
+  const auto cycles = adapt<2>(uniform_mesh(domains::unit_box<2>(), 0.1), circular_layer(), 6, 2, false);
+  expect_effective_after_two(cycles);
+  // On lattices errors fall like h^2, and n times the error is the same for all uniform meshes.
+  const Mesh<2> uniform = uniform_mesh(domains::unit_box<2>(), 0.00625);
+  const double cost = static_cast<double>(uniform.points.size()) * solve_exact(uniform, circular_layer()).error;
+  EXPECT_LE(cycles.back().n_vertices * cycles.back().error, cost / 3.5);
+}
+
+TEST(Adaptivity, ExponentialOnTheCube) {
+  const auto cycles = adapt<3>(uniform_mesh(domains::unit_box<3>(), 0.2), exponential(), 4, 2.5, false);
+  expect_effective_after_two(cycles);
+  const Mesh<3> uniform = uniform_mesh(domains::unit_box<3>(), 0.05);
+  EXPECT_LE(cycles.back().n_vertices, static_cast<double>(uniform.points.size()));
+  EXPECT_LT(cycles.back().error, solve_exact(uniform, exponential()).error);
+}
+
+/// Two regions of the unit square with conductivities 1 and 100, u linear in each: a kink, and nothing else.
+TEST(Adaptivity, NothingReachesAcrossAJump) {
+  const Mesh<2> mesh = uniform_mesh(domains::two_material_box<2>(), 0.1);
+  const ControlVolumes<2> volumes = build_control_volumes(mesh);
+  const double middle = 1;
+  VertexValues kink(mesh.points.size());
+  for (const VertexId v : ids(kink)) kink[v] = std::max(mesh.points[v][0] - middle, 100 * (mesh.points[v][0] - middle));
+  const auto derivatives = recover_derivatives(volumes, kink);
+  for (const CellId c : ids(derivatives.curvature)) {
+    EXPECT_LT(derivatives.curvature[c], 1e-6);
+    EXPECT_LT(derivatives.third[c], 1e-4);
+  }
+  for (const double misfit : derivatives.misfit) EXPECT_NEAR(misfit, 0, 1e-9);
+}
+
+TEST(Adaptivity, CubicPolynomialsAreRecovered) {
+  const Mesh<3> mesh = uniform_mesh(domains::unit_box<3>(), 0.25);
+  const ControlVolumes<3> volumes = build_control_volumes(mesh);
+  VertexValues values(mesh.points.size());
+  for (const VertexId v : ids(values)) {
+    const auto [x, y, z] = mesh.points[v].coord;
+    values[v] = 1 + x - 2 * y + 3 * x * x + x * y - z * z + x * y * z + 2 * z * z * z;
+  }
+  const auto derivatives = recover_derivatives(volumes, values);
+  for (const CellId c : ids(derivatives.gradient)) {
+    const auto [x, y, z] = mesh.points[volumes.cell_vertex[c]].coord;
+    EXPECT_NEAR(derivatives.gradient[c][0], 1 + 6 * x + y + y * z, 1e-8);
+    EXPECT_NEAR(derivatives.gradient[c][2], -2 * z + x * y + 6 * z * z, 1e-8);
+    EXPECT_NEAR(derivatives.hessian[c][0], 6, 1e-7);                // xx
+    EXPECT_NEAR(derivatives.hessian[c][1], 1 + z, 1e-7);            // xy
+    EXPECT_NEAR(derivatives.hessian[c][5], -2 + 12 * z, 1e-7);      // zz
+    EXPECT_NEAR(derivatives.third[c], std::sqrt(6.0 + 144), 1e-5);  // xyz in six places, zzz in one.
+  }
+  for (const double misfit : derivatives.misfit) EXPECT_NEAR(misfit, 0, 1e-8);
+}
+
+TEST(Adaptivity, LinearSolutionsHaveNoError) {
+  const Mesh<3> mesh = uniform_mesh(domains::unit_box<3>(), 0.25);
+  const ExactProblem<3> linear = {[](const Vec<3>& x) { return x[0] + 2 * x[1] - x[2]; },
+                                  [](const Vec<3>&) { return 0.0; }};
+  const Solution<3> solved = solve_exact(mesh, linear);
+  const auto derivatives = recover_derivatives(solved.volumes, solved.values);
+  const ErrorEstimate estimate =
+      estimate_error(mesh, solved.volumes, solved.areas, solved.problem, solved.values, derivatives);
+  EXPECT_LT(estimate.w, 1e-9);
+}
+
+TEST(Adaptivity, WhatIsRefused) {
+  const Mesh<2> mesh = uniform_mesh(domains::unit_box<2>(), 0.3);
+  const ControlVolumes<2> volumes = build_control_volumes(mesh);
+  const auto derivatives = recover_derivatives(volumes, VertexValues(mesh.points.size(), 1.0));
+  const auto id_of = [&](std::size_t n_spacings, const TargetOptions& options) -> std::string {
+    try {
+      target_spacing(volumes, derivatives, IdVector<VertexId, double>(n_spacings, 0.1), options);
+    } catch (const Error& error) {
+      return error.faults().front().id;
+    }
+    return "";
+  };
+  const std::size_t n = mesh.points.size();
+  EXPECT_EQ(id_of(n, {.n_vertices = 100}), "");
+  EXPECT_EQ(id_of(n - 1, {.n_vertices = 100}), "adapt.wrong_length");
+  EXPECT_EQ(id_of(n, {.n_vertices = 0}), "adapt.bad_option");
+  EXPECT_EQ(id_of(n, {.n_vertices = 100, .least_factor = 2, .largest_factor = 1}), "adapt.bad_option");
+}
+
+}  // namespace
+}  // namespace voropack
