@@ -16,6 +16,13 @@ for case in heat aquifer; do
   "$here/../run" plot "$work/$case.vtu" --array u -o "$here/pictures/$case.svg"
 done
 
+# Meshes made to measure: the last of each series.
+"$here/../run" solve "$here/../examples/cases/corner.toml" --adapt --cycles 3 -o "$work/corner.vtu" --quiet
+"$here/../run" plot "$work/corner_0003.vtu" -o "$here/pictures/corner.svg"
+"$here/../run" solve "$here/../examples/cases/layer.toml" --adapt --max-vertices 1300 -o "$work/layer.vtu" --quiet
+last=("$work"/layer_*.vtu)
+"$here/../run" plot "${last[-1]}" -o "$here/pictures/layer.svg"
+
 "$here/../run" paper figure3 -o "$here/pictures/figure3.svg"
 
 "$here/../run" paper figure5 --size 0.02 --levels 3 --quiet -o "$here/pictures/figure5.svg"

@@ -28,6 +28,9 @@ struct CaseFormula {
 struct CaseArray {
   std::string name;
   std::optional<std::filesystem::path> file;  ///< The mesh's own if absent.
+  /// How values come from another mesh of the domain.
+  enum class Transfer : std::uint8_t { kNone, kInterpolate, kConserve };
+  Transfer transfer = Transfer::kNone;
 };
 
 /// A coefficient: one for all regions, one for each, or an array.

@@ -32,6 +32,10 @@ CaseArray take_array(CaseTable& table) {
   CaseArray array;
   array.name = table.take_text("array").value_or("");
   array.file = table.take_path("file");
+  if (const std::optional<std::size_t> way = table.take_choice("transfer", {"none", "interpolate", "conserve"}))
+    array.transfer = static_cast<CaseArray::Transfer>(*way);
+  if (array.transfer != CaseArray::Transfer::kNone && !array.file)
+    table.miss("file", "file = \"before.vtu\", the mesh that the array is on");
   table.finish();
   return array;
 }

@@ -13,6 +13,7 @@
 #include "suggest.h"
 #include "voropack/cell_integrals.h"
 #include "voropack/io.h"
+#include "voropack/refinement.h"
 
 namespace voropack::app {
 
@@ -215,6 +216,22 @@ CompiledCase<D> compile_case(const Case& given) {
 
 namespace {
 
+/// The values of an array on another mesh of the domain, at the vertices of this one.
+template <int D>
+IdVector<VertexId, double> transfer_array(const CaseCoefficient& coefficient, const CaseArray& array,
+                                          const Mesh<D>& mesh, CaseFaults& faults, Observer& observer) {
+  const AnyMesh any = read_mesh(*array.file, observer);
+  const Mesh<D>* const from = std::get_if<Mesh<D>>(&any);
+  if (from == nullptr) {
+    faults.add("case.contradiction", coefficient.place,
+               fmt::format("{}: the mesh of {} is not {}D", coefficient.name, array.file->string(), D),
+               "give an array on a mesh of the same domain.");
+    return {};
+  }
+  return transfer(*from, IdVector<VertexId, double>(read_point_array(*array.file, array.name, observer)), mesh,
+                  {.conserve = array.transfer == CaseArray::Transfer::kConserve});
+}
+
 template <int D>
 IdVector<VertexId, double> read_array(const Case& given, const CaseCoefficient& coefficient, const CaseArray& array,
                                       const Mesh<D>& mesh, CaseFaults& faults, Observer& observer) {
@@ -224,13 +241,14 @@ IdVector<VertexId, double> read_array(const Case& given, const CaseCoefficient& 
                "give the file that has it and as many points: {array = \"name\", file = \"mesh.vtu\"}.");
     return {};
   }
+  if (array.transfer != CaseArray::Transfer::kNone) return transfer_array(coefficient, array, mesh, faults, observer);
   const std::filesystem::path& path = array.file ? *array.file : *given.mesh;
   std::vector<double> values = read_point_array(path, array.name, observer);
   if (values.size() != mesh.points.size()) {
     faults.add("case.wrong_length", coefficient.place,
                fmt::format("{}: the array \"{}\" of {} has {} numbers for {} vertices", coefficient.name, array.name,
                            path.string(), values.size(), mesh.points.size()),
-               "give an array with one number for each vertex of the mesh.");
+               "give an array with one number for each vertex of the mesh, or add transfer = \"interpolate\".");
     return {};
   }
   return IdVector<VertexId, double>(std::move(values));

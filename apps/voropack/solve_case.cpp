@@ -206,6 +206,15 @@ IdVector<VertexId, double> solve_in_time(const Setting<D>& setting, const Newton
 }  // namespace
 
 template <int D>
+void prepare(Setting<D>& setting, Observer& observer) {
+  setting.boundary = bind_case(setting.given, setting.mesh, setting.compiled, observer);
+  const bool integrates = setting.given.method == CaseMethod::kControlVolumes &&
+                          any_formula<D>(setting.compiled.source, &CompiledFormula<D>::is_formula);
+  setting.shapes.reset();
+  if (setting.writes_cells || integrates) setting.shapes = build_cell_shapes(setting.mesh, setting.volumes);
+}
+
+template <int D>
 Solved<D> solve_case(const Setting<D>& setting, const StateCallback<D>& on_state, Observer& observer) {
   Solved<D> result;
   SolveFigures& figures = result.figures;
@@ -229,6 +238,8 @@ Solved<D> solve_case(const Setting<D>& setting, const StateCallback<D>& on_state
   return result;
 }
 
+template void prepare(Setting<2>&, Observer&);
+template void prepare(Setting<3>&, Observer&);
 template Solved<2> solve_case(const Setting<2>&, const StateCallback<2>&, Observer&);
 template Solved<3> solve_case(const Setting<3>&, const StateCallback<3>&, Observer&);
 

@@ -20,6 +20,7 @@ struct Setting {
   Mesh<D> mesh{};
   ControlVolumes<D> volumes{};
   BoundaryAreas<D> boundary{};
+  bool writes_cells = false;
   std::optional<CellShapes<D>> shapes{};  ///< Where cells are written or integrated over.
 };
 
@@ -34,6 +35,10 @@ struct Solved {
   SolveFigures figures;
   SolutionArrays<D> arrays;  ///< In time: at the end.
 };
+
+/// Binds the case to the mesh, and builds the shapes of cells that are written or integrated over.
+template <int D>
+void prepare(Setting<D>& setting, Observer& observer);
 
 /// Called for each state of a case in time that is to be written, but not for the last.
 template <int D>

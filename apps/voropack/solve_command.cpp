@@ -10,10 +10,12 @@
 #include "command.h"
 #include "meshing.h"
 #include "print.h"
+#include "solve_adaptive.h"
 #include "solve_case.h"
 #include "solve_output.h"
 #include "solve_report.h"
 #include "stage_clock.h"
+#include "voropack/mesh_domain.h"
 
 namespace voropack::app {
 
@@ -24,6 +26,7 @@ namespace {
 struct SolveArguments {
   fs::path file;
   bool redelaunay = false;
+  AdaptiveWishes adaptive;
   CaseOutputs outputs;  ///< What is given takes the place of what the case says.
 };
 
@@ -39,8 +42,9 @@ void refuse_negative_areas(const fs::path& mesh, const QualityReport& quality) {
                          .file = mesh.string()});
 }
 
-Json options_json(const Case& given) {
+Json options_json(const Case& given, const AdaptiveWishes& adaptive) {
   Json json;
+  json["adapt"] = adaptive.is_wished;
   json["method"] = given.method == CaseMethod::kControlVolumes ? "cvm" : "fem";
   for (const fs::path& mesh : given.outputs.meshes) json["output"].push_back(mesh.string());
   if (given.outputs.cells) json["cells"] = given.outputs.cells->string();
@@ -66,37 +70,61 @@ std::string timing_line(const StageTimes& times) {
   return text + '\n';
 }
 
-/// Everything from the mesh on. `setting` has mesh and control volumes.
+/// The solution, written on the way: of a case in time its states, of an adaptive one its meshes.
 template <int D>
-ExitCode finish_case(Setting<D>& setting, const StagedSolution& staged, Report& report, std::string text,
-                     Session& session) {
-  const Case& given = setting.given;
-  text += count_table(*report.quality) + '\n';
-  const bool is_cvm = given.method == CaseMethod::kControlVolumes;
-  if (is_cvm) refuse_negative_areas<D>(given.mesh ? *given.mesh : *given.domain, *report.quality);
+Solved<D> solve_and_write(Setting<D>& setting, const Domain<D>* domain, const SolveArguments& arguments,
+                          SolutionWriter<D>& writer, AdaptiveFigures& adaptive, Report& report, Session& session) {
+  if (arguments.adaptive.is_wished)
+    return solve_adaptively<D>(
+        setting, *domain, arguments.adaptive,
+        [&](std::size_t cycle, const SolutionArrays<D>& arrays) { writer.add(static_cast<double>(cycle), arrays); },
+        adaptive, report, session);
   StageClock clock(session.observer, report.times);
   clock.begin_stage("dual");
-  setting.boundary = bind_case(given, setting.mesh, setting.compiled, clock);
-  if (staged.cells || (is_cvm && any_formula<D>(setting.compiled.source, &CompiledFormula<D>::is_formula)))
-    setting.shapes = build_cell_shapes(setting.mesh, setting.volumes);
-  SolutionWriter<D> writer(setting, staged);
-  const Solved<D> solved = solve_case<D>(
+  prepare(setting, clock);
+  Solved<D> solved = solve_case<D>(
       setting, [&](double time, const SolutionArrays<D>& arrays) { writer.add(time, arrays); }, clock);
   clock.begin_stage("write");
-  writer.add(given.time ? given.time->options.end : 0, solved.arrays);
+  writer.add(setting.given.time ? setting.given.time->options.end : 0, solved.arrays);
+  return solved;
+}
+
+/// Everything from the mesh on. `setting` has mesh and control volumes; `domain` is needed to adapt only.
+template <int D>
+ExitCode finish_case(Setting<D>& setting, const Domain<D>* domain, const SolveArguments& arguments,
+                     const StagedSolution& staged, Report& report, std::string text, Session& session) {
+  const Case& given = setting.given;
+  if (given.method == CaseMethod::kControlVolumes)
+    refuse_negative_areas<D>(given.mesh ? *given.mesh : *given.domain, *report.quality);
+  setting.writes_cells = staged.cells.has_value();
+  SolutionWriter<D> writer(setting, staged);
+  AdaptiveFigures adaptive;
+  const Solved<D> solved = solve_and_write(setting, domain, arguments, writer, adaptive, report, session);
+  StageClock clock(session.observer, report.times);
+  clock.begin_stage("write");
   writer.finish();
   if (staged.fluxes) write_text(fluxes_csv(solved.figures), *staged.fluxes);
   clock.stop();
   if (const auto steps = report.times.extract("time steps"); !steps.empty()) report.times["solve"] += steps.mapped();
   report.solve = solve_json(solved.figures);
+  ExitCode code = ExitCode::kDone;
+  if (arguments.adaptive.is_wished) {
+    (*report.solve)["adaptivity"] = adaptive_json(arguments.adaptive, adaptive);
+    text += adaptive_table(adaptive) + '\n';
+    if (adaptive.end == "not_certified")
+      code = ExitCode::kCheckFailed;
+    else if (arguments.adaptive.tolerance && adaptive.end != "tolerance")
+      code = ExitCode::kNotConverged;
+  }
+  text += count_table(*report.quality) + '\n';
   text += solve_tables(solved.figures) + timing_line(report.times) + output_lines(staged, writer.n_states());
   session.finish(report, text);
-  return ExitCode::kDone;
+  return code;
 }
 
 template <int D>
-ExitCode solve_on_mesh(const Case& given, Mesh<D> mesh, const StagedSolution& staged, Report& report,
-                       Session& session) {
+ExitCode solve_on_mesh(const Case& given, Mesh<D> mesh, const SolveArguments& arguments, const StagedSolution& staged,
+                       Report& report, Session& session) {
   if (mesh.simplex_vertices.empty())
     throw InputError(Fault{.id = "case.empty_mesh",
                            .message = "the mesh has no simplices",
@@ -107,12 +135,16 @@ ExitCode solve_on_mesh(const Case& given, Mesh<D> mesh, const StagedSolution& st
   setting.volumes = timed(report.times, "dual", [&] { return build_control_volumes(setting.mesh, session.observer); });
   report.quality =
       timed(report.times, "quality", [&] { return measure_quality(setting.mesh, setting.volumes, session.observer); });
-  return finish_case(setting, staged, report, fmt::format("{}: {}D\n\n", given.mesh->string(), D), session);
+  std::optional<MeshDomain<D>> place;
+  if (arguments.adaptive.is_wished)
+    place = timed(report.times, "domain", [&] { return domain_of(setting.mesh, session.observer); });
+  return finish_case(setting, place ? &place->domain : nullptr, arguments, staged, report,
+                     fmt::format("{}: {}D\n\n", given.mesh->string(), D), session);
 }
 
 template <int D>
-ExitCode solve_on_domain(const Case& given, const DomainInput<D>& input, const StagedSolution& staged, Report& report,
-                         Session& session) {
+ExitCode solve_on_domain(const Case& given, const DomainInput<D>& input, const SolveArguments& arguments,
+                         const StagedSolution& staged, Report& report, Session& session) {
   Setting<D> setting{.given = given, .compiled = compile_case<D>(given)};
   const MeshingOptions<D> options =
       timed(report.times, "read", [&] { return meshing_options<D>(given.wishes, session); });
@@ -130,7 +162,7 @@ ExitCode solve_on_domain(const Case& given, const DomainInput<D>& input, const S
   text += "certificate: ok\n\n";
   setting.mesh = std::move(result.mesh);
   setting.volumes = std::move(result.volumes);
-  return finish_case(setting, staged, report, std::move(text), session);
+  return finish_case(setting, &result.domain, arguments, staged, report, std::move(text), session);
 }
 
 /// Files named on the command line take the place of those in the case.
@@ -156,19 +188,22 @@ void protect_inputs(const Case& given, const OutputSet& outputs) {
 ExitCode run_solve(const SolveArguments& arguments, Session& session) {
   Case given = read_case(arguments.file);
   replace_outputs(arguments.outputs, given.outputs);
-  const StagedSolution staged = stage(given.outputs, given.time.has_value(), session.outputs);
+  check_adaptive(arguments.adaptive, given);
+  const StagedSolution staged =
+      stage(given.outputs, given.time.has_value() || arguments.adaptive.is_wished, session.outputs);
   protect_inputs(given, session.outputs);
 
   Report report;
   report.command = "solve";
   report.case_file = describe_file(given.file, {});
   report.options["redelaunay"] = arguments.redelaunay;
-  report.options.update(options_json(given));
+  report.options.update(options_json(given, arguments.adaptive));
   session.observer.begin_stage("read");
   if (given.mesh) {
     AnyMesh mesh = timed(report.times, "read",
                          [&] { return read_mesh_or_triangulate(*given.mesh, arguments.redelaunay, session.observer); });
-    return std::visit([&](auto& any) { return solve_on_mesh(given, std::move(any), staged, report, session); }, mesh);
+    return std::visit(
+        [&](auto& any) { return solve_on_mesh(given, std::move(any), arguments, staged, report, session); }, mesh);
   }
   if (arguments.redelaunay)
     throw OptionError(Fault{.id = "cli.contradiction",
@@ -177,7 +212,8 @@ ExitCode run_solve(const SolveArguments& arguments, Session& session) {
                             .file = given.file.string()});
   const AnyDomainInput input =
       timed(report.times, "read", [&] { return read_domain(*given.domain, session.observer); });
-  return std::visit([&](const auto& any) { return solve_on_domain(given, any, staged, report, session); }, input);
+  return std::visit([&](const auto& any) { return solve_on_domain(given, any, arguments, staged, report, session); },
+                    input);
 }
 
 }  // namespace
@@ -197,6 +233,7 @@ Command add_solve_command(CLI::App& root, CommonOptions& common) {
   app->add_option("--fluxes", arguments->outputs.fluxes, "Table of what enters by marker, instead of output.fluxes")
       ->type_name("FILE.csv");
   add_redelaunay_option(*app, arguments->redelaunay);
+  add_adaptive_options(*app, arguments->adaptive);
   add_common_options(*app, common);
   app->footer(
       "docs/case.md describes the case file. It needs a mesh or a domain, and conditions:\n"
@@ -208,7 +245,8 @@ Command add_solve_command(CLI::App& root, CommonOptions& common) {
       "  [boundary.1]\n"
       "  type = \"dirichlet\"\n"
       "  value = \"20 + x\"\n"
-      "Example: voropack solve heat.toml -o heat.vtu --report heat.json");
+      "Example: voropack solve heat.toml -o heat.vtu --report heat.json\n"
+      "         voropack solve heat.toml -o heat.vtu --adapt --tolerance 0.01 --max-vertices 200000");
   return {app, [arguments](Session& session) { return run_solve(*arguments, session); }};
 }
 

@@ -24,7 +24,7 @@ if(VOROPACK_BUILD_TOOLS)
   target_link_libraries(command_line_test PRIVATE voropack_app)
 
   # One CTest test per class of tests, so that they run side by side and are counted.
-  foreach(test IN ITEMS options outputs places robustness interrupt report mesh determinism check refine coarsen formats paper solve run_scripts bench)
+  foreach(test IN ITEMS options outputs places robustness interrupt report mesh determinism check refine coarsen formats paper solve adapt run_scripts bench)
     add_test(NAME cli/${test}
              COMMAND ${VOROPACK_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/cli/${test}_test.py -v)
     set_tests_properties(cli/${test} PROPERTIES LABELS cli

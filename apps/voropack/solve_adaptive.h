@@ -1,0 +1,61 @@
+// Solving a case on meshes made to measure: solve, estimate the error, mesh again where it is large.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command.h"
+#include "meshing.h"
+#include "solve_case.h"
+#include "voropack/adaptivity.h"
+#include "voropack/domain.h"
+
+namespace voropack::app {
+
+struct AdaptiveWishes {
+  enum class Keep : std::uint8_t { kNone, kFitting, kAll };
+  bool is_wished = false;
+  std::optional<double> tolerance;  ///< On the estimated error in the W norm.
+  std::optional<std::uint64_t> max_vertices;
+  int max_cycles = 8;
+  double growth = 2.5;  ///< Vertices of a mesh over those of the one before, at most.
+  Keep keep = Keep::kNone;
+  std::string field;  ///< FILE:array that takes the place of the solution. Empty: the solution.
+};
+
+/// --adapt and what belongs to it.
+void add_adaptive_options(CLI::App& command, AdaptiveWishes& wishes);
+
+/// What a case has to be for that. Throws OptionError cli.contradiction, cli.missing.
+void check_adaptive(const AdaptiveWishes& wishes, const Case& given);
+
+/// One solution on the way.
+struct AdaptiveCycle {
+  std::uint64_t n_vertices = 0;
+  ErrorEstimate estimate{};       ///< Its figures; the arrays are empty.
+  std::optional<double> error{};  ///< In the W norm, if the exact solution is known.
+  std::optional<std::uint64_t> n_kept{};
+  bool is_certified = true;
+  double seconds = 0;  ///< To mesh, solve and estimate.
+};
+
+struct AdaptiveFigures {
+  std::vector<AdaptiveCycle> cycles;
+  std::string end;  ///< Why there are no more: "tolerance", "max_vertices", "max_cycles", ...
+};
+
+std::string adaptive_table(const AdaptiveFigures& figures);
+Json adaptive_json(const AdaptiveWishes& wishes, const AdaptiveFigures& figures);
+
+/// Solves on the mesh of `setting`, which is of `domain`, and on meshes that take its place there, until one of the
+/// wishes is met. What is reported of a mesh is that of the last one. on_cycle is called after each solution.
+template <int D>
+Solved<D> solve_adaptively(Setting<D>& setting, const Domain<D>& domain, const AdaptiveWishes& wishes,
+                           const std::function<void(std::size_t cycle, const SolutionArrays<D>&)>& on_cycle,
+                           AdaptiveFigures& figures, Report& report, Session& session);
+
+}  // namespace voropack::app

@@ -1,0 +1,137 @@
+"""`solve --adapt` meets tolerances and budgets, writes every mesh of the way, and goes on from mesh to mesh."""
+import unittest
+import xml.etree.ElementTree
+
+import meshio
+import numpy
+
+from harness import CommandLineTest, box_poly, square_poly, two_boxes_poly
+
+LAYER = "tanh((x-0.5)/0.05)"
+CASE = f"""
+[domain]
+file = "square.poly"
+size = 0.2
+[equation]
+source = "2*{LAYER}*(1-{LAYER}^2)/0.05^2"
+[boundary.others]
+type = "dirichlet"
+value = "{LAYER}"
+[exact]
+u = "{LAYER}"
+"""
+
+
+class AdaptTest(CommandLineTest):
+    def setUp(self):
+        super().setUp()
+        self.write("square.poly", square_poly())
+        self.write("layer.toml", CASE)
+
+    def adapt(self, *options, case="layer.toml", code=0):
+        result = self.run_program("solve", case, "--adapt", "--report", "report.json", *options)
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.output = result.stdout
+        return self.report()["solve"]["adaptivity"]
+
+    def test_a_tolerance_is_met(self):
+        figures = self.adapt("--tolerance", "0.2", "-o", "layer.vtu")
+        self.assertEqual(figures["end"], "tolerance")
+        cycles = figures["cycles"]
+        self.assertLessEqual(cycles[-1]["estimate"], 0.2)
+        self.assertLess(cycles[-1]["error"], 0.4)
+        for cycle in cycles[2:]:
+            self.assertTrue(0.5 < cycle["effectivity"] < 2, cycle)
+            self.assertTrue(cycle["certified"])
+        self.assert_certified(self.report()["certificate"])
+        series = xml.etree.ElementTree.parse(self.folder / "layer.pvd").findall(".//DataSet")
+        self.assertEqual(len(series), len(cycles))
+        for data_set, cycle in zip(series, cycles):
+            mesh = meshio.read(self.folder / data_set.get("file"))
+            self.assertEqual(len(mesh.points), cycle["vertices"])
+            self.assertEqual(len(mesh.point_data["u"]), cycle["vertices"])
+        fine = mesh.point_data["spacing"]
+        away = abs(mesh.points[:, 0] - 0.5)
+        self.assertLess(3 * numpy.median(fine[away < 0.05]), numpy.median(fine[away > 0.3]))
+
+    def test_a_budget_is_kept(self):
+        for keep in ("none", "fitting", "all"):
+            figures = self.adapt("--max-vertices", "2000", "--keep", keep, "-o", "layer.vtu")
+            counts = [cycle["vertices"] for cycle in figures["cycles"]]
+            self.assertEqual(figures["end"], "max_vertices")
+            self.assertTrue(1000 < counts[-1] <= 2000, counts)
+            self.assertLess(figures["cycles"][-1]["error"], figures["cycles"][0]["error"] / 5)
+            if keep == "none":
+                continue
+            last = set(map(tuple, meshio.read(self.folder / f"layer_{len(counts) - 1:04}.vtu").points))
+            before = set(map(tuple, meshio.read(self.folder / f"layer_{len(counts) - 2:04}.vtu").points))
+            self.assertEqual(len(last & before), figures["cycles"][-1]["kept"])
+            if keep == "all":
+                self.assertLess(before, last)
+
+    def test_a_tolerance_that_is_not_met(self):
+        figures = self.adapt("--tolerance", "1e-6", "--cycles", "2", "-o", "layer.vtu", code=4)
+        self.assertEqual((figures["end"], len(figures["cycles"])), ("max_cycles", 3))
+        self.assertTrue((self.folder / "layer.pvd").exists())
+
+    def test_a_mesh_instead_of_a_domain_and_two_materials(self):
+        self.write("two.poly", two_boxes_poly())
+        self.succeed("mesh", "two.poly", "-o", "two.vtu", "--size", "0.4", "--quiet")
+        self.write("two.toml", '[mesh]\nfile = "two.vtu"\n[equation]\nconductivity = {1 = 1.0, 2 = 100}\nsource = "x*y"\n'
+                               '[boundary.others]\ntype = "dirichlet"\nvalue = 0\n')
+        figures = self.adapt("--max-vertices", "3000", case="two.toml")
+        self.assertLess(figures["cycles"][-1]["estimate"], 0.7 * figures["cycles"][0]["estimate"])
+        self.assertNotIn("error", figures["cycles"][0])
+        self.assert_certified(self.report()["certificate"])
+        for balance in self.report()["solve"]["balances"]:
+            self.assertLess(abs(balance["imbalance"]), 1e-12 * balance["throughput"])
+
+    def test_a_field_of_the_users(self):
+        self.write("box.poly", box_poly())
+        self.succeed("mesh", "box.poly", "-o", "field.vtu", "--size", "0.1", "--quiet")
+        field = meshio.read(self.folder / "field.vtu")
+        field.point_data = {"bend": numpy.exp(-50 * numpy.sum((field.points - 0.5)**2, axis=1))}
+        field.write(self.folder / "field.vtu")
+        self.write("box.toml", '[domain]\nfile = "box.poly"\nsize = 0.4\n[boundary.others]\ntype = "dirichlet"\nvalue = "x"\n')
+        figures = self.adapt("--adapt-field", "field.vtu:bend", "--max-vertices", "2000", "-o", "box.vtu", case="box.toml")
+        self.assertEqual(len(figures["cycles"]), 2)
+        mesh = meshio.read(self.folder / "box_0001.vtu")
+        radius = numpy.linalg.norm(mesh.points - 0.5, axis=1)
+        spacing = mesh.point_data["spacing"]
+        self.assertLess(1.5 * numpy.median(spacing[radius < 0.15]), numpy.median(spacing[radius > 0.6]))
+
+    def test_time_goes_on_on_another_mesh(self):
+        case = ('[domain]\nfile = "square.poly"\nsize = {size}\n[boundary.others]\ntype = "dirichlet"\nvalue = 0\n'
+                '[time]\nend = 0.01\nstep = 0.005\ninitial = {initial}\n')
+        self.write("first.toml", case.format(size=0.1, initial='"sin(pi*x)*sin(pi*y)"'))
+        self.succeed("solve", "first.toml", "-o", "first.vtu")
+        for way in ("interpolate", "conserve"):
+            self.write("second.toml", case.format(
+                size=0.07, initial=f'{{array = "u", file = "first_0001.vtu", transfer = "{way}"}}'))
+            self.succeed("solve", "second.toml", "-o", "second.vtu")
+            before, after = (meshio.read(self.folder / name) for name in ("first_0001.vtu", "second_0000.vtu"))
+            self.assertLess(abs(before.point_data["u"].max() - after.point_data["u"].max()), 0.05)
+        self.write("second.toml", case.format(size=0.07, initial='{array = "u", file = "first_0001.vtu"}'))
+        result = self.run_program("solve", "second.toml")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn('transfer = "interpolate"', result.stderr)
+
+    def test_what_is_refused(self):
+        in_time = CASE + '[time]\nend = 1.0\n'
+        by_elements = 'method = "fem"\n' + CASE
+        for text, options, words in ((in_time, [], "[time]"), (by_elements, [], "cvm"),
+                                     (CASE, ["--adapt-field", "layer.vtu"], "FILE:array"),
+                                     (CASE, ["--adapt-field", "layer.vtu:u"], "--max-vertices"),
+                                     (CASE, ["--keep", "some"], "--keep"), (CASE, ["--tolerance", "0"], "--tolerance")):
+            self.write("case.toml", text)
+            result = self.run_program("solve", "case.toml", "--adapt", *options, "-o", "out.vtu")
+            self.assertEqual(result.returncode, 2, words)
+            self.assertIn(words, result.stderr)
+            self.assertEqual(list(self.folder.glob("out*")), [])
+        result = self.run_program("solve", "layer.toml", "--tolerance", "1")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("--adapt", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
