@@ -23,9 +23,12 @@ namespace {
 constexpr double kAim = 0.9;
 /// A last mesh that has not this many times the vertices is not worth making.
 constexpr double kLeastGrowth = 1.15;
-/// A mesh that has more vertices than allowed, or fewer than this part of the wanted ones, is made again.
+/// A mesh that has more vertices than allowed, or fewer than this part of the wanted ones, is made again, while all
+/// trials together have not so many times the wanted ones; small meshes cost nothing.
 constexpr double kLeastCount = 0.8;
-constexpr int kCountTrials = 4;
+constexpr double kMostWork = 2.5;
+constexpr double kSmallMesh = 1000;
+constexpr int kMostTrials = 20;
 
 [[noreturn]] void refuse(std::string id, std::string message, std::string fix) {
   throw OptionError(Fault{.id = std::move(id), .message = std::move(message), .fix = std::move(fix)});
@@ -71,6 +74,15 @@ Guide<D> read_guide(const std::string& field, Observer& observer) {
   return guide;
 }
 
+/// Estimates of meshes with fewer vertices inside say nothing: the W norm sees none of the edges on the boundary.
+constexpr std::size_t kLeastInside = 10;
+
+template <int D>
+bool is_trusted(const Mesh<D>& mesh) {
+  const VertexFlags on_hull = find_hull_vertices(mesh);
+  return mesh.points.size() - static_cast<std::size_t>(std::ranges::count(on_hull, true)) >= kLeastInside;
+}
+
 /// How many vertices the next mesh shall have; nothing if there shall be none.
 std::optional<double> next_count(const AdaptiveWishes& wishes, AdaptiveFigures& figures, int dimension) {
   const AdaptiveCycle& last = figures.cycles.back();
@@ -80,12 +92,13 @@ std::optional<double> next_count(const AdaptiveWishes& wishes, AdaptiveFigures& 
     return std::nullopt;
   };
   if (!last.is_certified) return stop("not_certified");
-  if (wishes.tolerance && last.estimate.w <= *wishes.tolerance) return stop("tolerance");
+  if (last.is_trusted && last.estimate.w == 0) return stop("no_error");
+  if (wishes.tolerance && last.is_trusted && last.estimate.w <= *wishes.tolerance) return stop("tolerance");
   if (wishes.max_vertices && n * kLeastGrowth > static_cast<double>(*wishes.max_vertices)) return stop("max_vertices");
   if (static_cast<int>(figures.cycles.size()) > wishes.max_cycles) return stop("max_cycles");
   // Errors fall at least like h, on lattices up to like h^2.
   double wanted = wishes.growth * n;
-  if (wishes.tolerance)
+  if (wishes.tolerance && last.is_trusted)
     wanted =
         std::min(wanted, n * std::pow(last.estimate.w / (kAim * *wishes.tolerance), 0.5 * dimension) * kLeastGrowth);
   if (wishes.max_vertices) wanted = std::min(wanted, static_cast<double>(*wishes.max_vertices));
@@ -110,10 +123,11 @@ class Mesher {
                   Report& report) const {
     StageClock clock(observer_, report.times);
     std::optional<Made> best;
-    double aim = wanted;
-    for (int trial = 1; trial <= kCountTrials; ++trial) {
+    double aim = wanted, work = 0;
+    for (int trial = 0; trial < kMostTrials && work <= kMostWork * std::max(wanted, kSmallMesh); ++trial) {
       Made made = make(setting, derivatives, aim, clock);
       const auto n = static_cast<double>(made.mesh.points.size());
+      work += n;
       const bool fits = !wishes_.max_vertices || n <= static_cast<double>(*wishes_.max_vertices);
       if (fits && (!best || n > static_cast<double>(best->mesh.points.size()))) best = std::move(made);
       if (fits && n >= kLeastCount * wanted) break;
@@ -256,6 +270,7 @@ std::string adaptive_table(const AdaptiveFigures& figures) {
     text += fmt::format("{:>10.3g}\n", c.seconds);
   }
   if (figures.end == "tolerance") return text + "the tolerance is met\n";
+  if (figures.end == "no_error") return text + "no more: nothing is left to be estimated\n";
   if (figures.end == "max_vertices") return text + "no more: --max-vertices\n";
   if (figures.end == "max_cycles") return text + "no more: --cycles\n";
   if (figures.end == "no_finer_mesh") return text + "no more: no mesh would be finer\n";
@@ -306,6 +321,7 @@ Solved<D> solve_adaptively(Setting<D>& setting, const Domain<D>& domain, const A
     cycle.estimate = estimate_error(setting.mesh, setting.volumes, setting.boundary, make_problem(setting.compiled, 0),
                                     solved.arrays.u, derivatives, given.newton.linear, clock);
     clock.stop();
+    cycle.is_trusted = is_trusted(setting.mesh);
     cycle.estimate.error = {};
     cycle.estimate.defect = {};
     if (solved.figures.errors) cycle.error = solved.figures.errors->w;

@@ -39,6 +39,7 @@ struct AdaptiveCycle {
   ErrorEstimate estimate{};       ///< Its figures; the arrays are empty.
   std::optional<double> error{};  ///< In the W norm, if the exact solution is known.
   std::optional<std::uint64_t> n_kept{};
+  bool is_trusted = true;  ///< There are enough vertices inside for an estimate.
   bool is_certified = true;
   double seconds = 0;  ///< To mesh, solve and estimate.
 };

@@ -113,7 +113,7 @@ ExitCode finish_case(Setting<D>& setting, const Domain<D>* domain, const SolveAr
     text += adaptive_table(adaptive) + '\n';
     if (adaptive.end == "not_certified")
       code = ExitCode::kCheckFailed;
-    else if (arguments.adaptive.tolerance && adaptive.end != "tolerance")
+    else if (arguments.adaptive.tolerance && adaptive.end != "tolerance" && adaptive.end != "no_error")
       code = ExitCode::kNotConverged;
   }
   text += count_table(*report.quality) + '\n';
