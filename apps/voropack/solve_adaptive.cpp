@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "print.h"
@@ -83,27 +85,36 @@ bool is_trusted(const Mesh<D>& mesh) {
   return mesh.points.size() - static_cast<std::size_t>(std::ranges::count(on_hull, true)) >= kLeastInside;
 }
 
-/// How many vertices the next mesh shall have; nothing if there shall be none.
-std::optional<double> next_count(const AdaptiveWishes& wishes, AdaptiveFigures& figures, int dimension) {
+/// How many vertices the next mesh shall have; nothing, and why in `figures.end`, if there shall be none.
+std::optional<double> wish_next(const AdaptiveWishes& wishes, AdaptiveFigures& figures, int dimension) {
   const AdaptiveCycle& last = figures.cycles.back();
   const auto n = static_cast<double>(last.n_vertices);
   const auto stop = [&](const char* why) {
     figures.end = why;
     return std::nullopt;
   };
-  if (!last.is_certified) return stop("not_certified");
-  if (last.is_trusted && last.estimate.w == 0) return stop("no_error");
-  if (wishes.tolerance && last.is_trusted && last.estimate.w <= *wishes.tolerance) return stop("tolerance");
+  if (last.is_trusted && last.estimate == 0) return stop("no_error");
+  if (wishes.tolerance && last.is_trusted && last.estimate <= *wishes.tolerance) return stop("tolerance");
   if (wishes.max_vertices && n * kLeastGrowth > static_cast<double>(*wishes.max_vertices)) return stop("max_vertices");
   if (static_cast<int>(figures.cycles.size()) > wishes.max_cycles) return stop("max_cycles");
   // Errors fall at least like h, on lattices up to like h^2.
   double wanted = wishes.growth * n;
   if (wishes.tolerance && last.is_trusted)
-    wanted =
-        std::min(wanted, n * std::pow(last.estimate.w / (kAim * *wishes.tolerance), 0.5 * dimension) * kLeastGrowth);
+    wanted = std::min(wanted, n * std::pow(last.estimate / (kAim * *wishes.tolerance), 0.5 * dimension) * kLeastGrowth);
   if (wishes.max_vertices) wanted = std::min(wanted, static_cast<double>(*wishes.max_vertices));
   return std::max(wanted, kLeastGrowth * n);
 }
+
+/// A mesh with what is to be reported of it.
+template <int D>
+struct NextMesh {
+  Mesh<D> mesh;
+  ControlVolumes<D> volumes{};
+  QualityReport quality{};
+  Certificate certificate{};
+  PackingFigures packing{};
+  std::optional<std::uint64_t> n_kept{};
+};
 
 /// Makes the meshes.
 template <int D>
@@ -117,11 +128,11 @@ class Mesher {
     if (!wishes.field.empty()) guide_ = read_guide<D>(wishes.field, observer_);
   }
 
-  /// Replaces the mesh of the setting; false if there is none with more vertices that are not too many. `derivatives`
-  /// are those of its solution.
-  bool operator()(const RecoveredDerivatives<D>& derivatives, double wanted, Setting<D>& setting, AdaptiveCycle& cycle,
-                  Report& report) const {
-    StageClock clock(observer_, report.times);
+  /// The next mesh; nothing if there is none with more vertices that are not too many. `derivatives` are those of the
+  /// solution on the mesh of the setting. A mesh for a field of the user's may be of any size.
+  std::optional<NextMesh<D>> operator()(const Setting<D>& setting, const RecoveredDerivatives<D>& derivatives,
+                                        double wanted, StageTimes& times) const {
+    StageClock clock(observer_, times);
     std::optional<Made> best;
     double aim = wanted, work = 0;
     for (int trial = 0; trial < kMostTrials && work <= kMostWork * std::max(wanted, kSmallMesh); ++trial) {
@@ -133,25 +144,24 @@ class Mesher {
       if (fits && n >= kLeastCount * wanted) break;
       aim *= 0.95 * wanted / n;
     }
-    if (!best || best->mesh.points.size() <= setting.mesh.points.size()) return false;
-    setting.mesh = std::move(best->mesh);
-    cycle.n_kept = best->n_kept;
-    cycle.n_vertices = setting.mesh.points.size();
+    if (!best || (!guide_ && best->mesh.points.size() <= setting.mesh.points.size())) return std::nullopt;
+    NextMesh<D> next{.mesh = std::move(best->mesh), .n_kept = best->n_kept};
     clock.begin_stage("dual");
-    setting.volumes = build_control_volumes(setting.mesh, clock);
+    next.volumes = build_control_volumes(next.mesh, clock);
     clock.begin_stage("quality");
-    report.quality = measure_quality(setting.mesh, setting.volumes, clock);
+    next.quality = measure_quality(next.mesh, next.volumes, clock);
     clock.begin_stage("certificate");
-    report.certificate =
-        certify(setting.mesh, setting.volumes, &domain_, packing_claims(best->spacing, options_.packing), clock);
-    cycle.is_certified = report.certificate->ok;
-    return true;
+    next.certificate =
+        certify(next.mesh, next.volumes, &domain_, packing_claims(best->spacing, options_.packing), clock);
+    next.packing.repairs = best->n_repairs;
+    return next;
   }
 
  private:
   struct Made {
     Mesh<D> mesh;
     Spacing<D> spacing;  ///< With the caps of repairs.
+    std::size_t n_repairs;
     std::optional<std::uint64_t> n_kept;
   };
 
@@ -166,7 +176,7 @@ class Mesher {
                              observer);
     // The field's mesh may be much finer or coarser than what is wanted.
     target.least_factor = 1e-3;
-    if (!keeps_all()) target.largest_factor = 1e3;
+    target.largest_factor = 1e3;
     return adapted_spacing(guide_->mesh, domain_, guide_->volumes, guide_->derivatives, target, options_.wishes,
                            options, options_.packing, observer);
   }
@@ -181,12 +191,13 @@ class Mesher {
     if (wishes_.keep == AdaptiveWishes::Keep::kNone) {
       Packing<D> packing = pack(domain_, spacing, options_.packing, observer);
       Spacing<D> capped = with_caps(packing.repairs);
+      const std::size_t n_repairs = packing.repairs.size();
       observer.begin_stage("delaunay");
-      return {triangulate(domain_, std::move(packing), observer), std::move(capped), {}};
+      return {triangulate(domain_, std::move(packing), observer), std::move(capped), n_repairs, {}};
     }
     RefinedMesh<D> refined = refine(setting.mesh, domain_of(setting.mesh, observer), spacing,
                                     {.packing = options_.packing, .keep_all = keeps_all()}, observer);
-    return {std::move(refined.mesh), with_caps(refined.repairs), refined.n_kept};
+    return {std::move(refined.mesh), with_caps(refined.repairs), refined.repairs.size(), refined.n_kept};
   }
 
   [[nodiscard]] bool keeps_all() const { return wishes_.keep == AdaptiveWishes::Keep::kAll; }
@@ -217,7 +228,7 @@ void add_adaptive_options(CLI::App& command, AdaptiveWishes& wishes) {
   command.add_option("--cycles", wishes.max_cycles, "Enough after so many meshes beside the first; default 8")
       ->check(whole_number(1, 1000))
       ->needs(adapt);
-  command.add_option("--growth", wishes.growth, "Vertices over those of the mesh before, at most; default 2.5")
+  command.add_option("--growth", wishes.growth, "Vertices over those of the mesh before, about at most; default 2.5")
       ->check(CLI::Range(1.2, 10.0))
       ->needs(adapt);
   using Keep = AdaptiveWishes::Keep;
@@ -242,18 +253,67 @@ void check_adaptive(const AdaptiveWishes& wishes, const Case& given) {
   if (given.method == CaseMethod::kFiniteElements)
     refuse("cli.contradiction", "--adapt is given, and the method is \"fem\": errors are estimated for control volumes",
            "set method = \"cvm\".");
-  std::vector<const CaseCoefficient*> coefficients = {&given.conductivity, &given.reaction, &given.source};
+  std::vector<const CaseCoefficient*> coefficients = {&given.conductivity, &given.reaction, &given.source,
+                                                      &given.capacity};
   if (given.newton_initial) coefficients.push_back(&*given.newton_initial);
+  const auto is_bound = [](const CaseCoefficient& coefficient) {
+    const auto* array = std::get_if<CaseArray>(&coefficient.value);
+    return array != nullptr && array->transfer == CaseArray::Transfer::kNone;
+  };
   for (const CaseCoefficient* coefficient : coefficients)
-    if (std::holds_alternative<CaseArray>(coefficient->value))
+    if (is_bound(*coefficient))
       refuse("cli.contradiction",
              fmt::format("--adapt is given, and {} is an array on a mesh that will be replaced", coefficient->name),
-             "give a number, a formula, or one of them for each region.");
+             "give a number or a formula, or add transfer = \"interpolate\" to the array.");
   if (!wishes.field.empty()) {
     split_field(wishes.field);
+    if (wishes.keep != AdaptiveWishes::Keep::kNone)
+      refuse("cli.contradiction", "--keep and --adapt-field are given: a mesh for a field is made anew",
+             "leave out one of them.");
     if (!wishes.max_vertices)
       refuse("cli.missing", "--adapt-field says where vertices are wanted, but not how many", "add --max-vertices.");
   }
+}
+
+namespace {
+
+std::string end_in_words(const AdaptiveFigures& figures) {
+  static const std::map<std::string, std::string> words = {
+      {"tolerance", "the tolerance is met"},
+      {"no_error", "no more: nothing is left to be estimated"},
+      {"max_vertices", "no more: --max-vertices"},
+      {"max_cycles", "no more: --cycles"},
+      {"no_finer_mesh", "no more: no mesh would be finer"},
+      {"not_certified", "no more: the next mesh is not certified"},
+      {"field", "the mesh follows the field"},
+      {"no_mesh_for_field", "no mesh follows the field with so few vertices"}};
+  const auto found = words.find(figures.end);
+  return found != words.end() ? found->second : "no more: " + figures.reason;
+}
+
+}  // namespace
+
+std::vector<std::string> left_out_of_estimate(const Case& given) {
+  const auto is_formula = [](const CaseCoefficient& coefficient) {
+    const auto varies = [](const CaseFormula& formula) { return std::holds_alternative<std::string>(formula.value); };
+    if (const auto* one = std::get_if<CaseFormula>(&coefficient.value)) return varies(*one);
+    if (const auto* all = std::get_if<std::map<int, CaseFormula>>(&coefficient.value))
+      return std::any_of(all->begin(), all->end(), [&](const auto& entry) { return varies(entry.second); });
+    return true;
+  };
+  const auto is_zero = [](const CaseCoefficient& coefficient) {
+    const auto* one = std::get_if<CaseFormula>(&coefficient.value);
+    const auto* number = one == nullptr ? nullptr : std::get_if<double>(&one->value);
+    return number != nullptr && *number == 0;
+  };
+  std::vector<std::string> parts;
+  if (is_formula(given.conductivity)) parts.emplace_back("conductivity that varies inside a region");
+  if (!is_zero(given.reaction)) parts.emplace_back("reaction");
+  const auto is_robin = [](const CaseCondition& c) { return c.type == CaseCondition::Type::kRobin; };
+  if ((given.other_conditions && is_robin(*given.other_conditions)) ||
+      std::any_of(given.conditions.begin(), given.conditions.end(), [&](const auto& c) { return is_robin(c.second); }))
+    parts.emplace_back("Robin conditions");
+  return parts;
 }
 
 std::string adaptive_table(const AdaptiveFigures& figures) {
@@ -264,84 +324,154 @@ std::string adaptive_table(const AdaptiveFigures& figures) {
   text += fmt::format("{:>10}\n", "seconds");
   for (std::size_t k = 0; k < figures.cycles.size(); ++k) {
     const AdaptiveCycle& c = figures.cycles[k];
-    text += fmt::format("{:<6}{:>12}{:>14.4g}{:>12.4g}{:>12.4g}", k, grouped(c.n_vertices), c.estimate.w,
-                        c.estimate.smooth, c.estimate.rough);
-    if (is_known) text += fmt::format("{:>14.4g}{:>13.3f}", *c.error, c.estimate.w / *c.error);
+    text +=
+        fmt::format("{:<6}{:>12}{:>14.4g}{:>12.4g}{:>12.4g}", k, grouped(c.n_vertices), c.estimate, c.smooth, c.rough);
+    if (is_known)
+      text += fmt::format("{:>14.4g}{:>13}", *c.error,
+                          *c.error > 0 ? fmt::format("{:.3f}", c.estimate / *c.error) : std::string("-"));
     text += fmt::format("{:>10.3g}\n", c.seconds);
   }
-  if (figures.end == "tolerance") return text + "the tolerance is met\n";
-  if (figures.end == "no_error") return text + "no more: nothing is left to be estimated\n";
-  if (figures.end == "max_vertices") return text + "no more: --max-vertices\n";
-  if (figures.end == "max_cycles") return text + "no more: --cycles\n";
-  if (figures.end == "no_finer_mesh") return text + "no more: no mesh would be finer\n";
-  return text + "no more: the last mesh is not certified\n";
+  text += end_in_words(figures) + '\n';
+  if (!figures.not_estimated.empty())
+    text += fmt::format("not in the estimate: {}\n", fmt::join(figures.not_estimated, ", "));
+  return text;
 }
 
-Json adaptive_json(const AdaptiveWishes& wishes, const AdaptiveFigures& figures) {
+Json options_json(const AdaptiveWishes& wishes) {
   Json json;
   if (wishes.tolerance) json["tolerance"] = *wishes.tolerance;
+  if (wishes.max_vertices) json["max_vertices"] = *wishes.max_vertices;
+  json["cycles"] = wishes.max_cycles;
+  json["growth"] = wishes.growth;
+  constexpr std::array<const char*, 3> kKeep = {"none", "fitting", "all"};
+  json["keep"] = kKeep[static_cast<std::size_t>(wishes.keep)];
+  if (!wishes.field.empty()) json["field"] = wishes.field;
+  return json;
+}
+
+Json adaptive_json(const AdaptiveFigures& figures) {
+  Json json;
   json["end"] = figures.end;
+  if (!figures.reason.empty()) json["reason"] = figures.reason;
+  if (!figures.not_estimated.empty()) json["not_estimated"] = figures.not_estimated;
   json["cycles"] = Json::array();
   for (const AdaptiveCycle& c : figures.cycles) {
     Json row{{"vertices", c.n_vertices},
-             {"estimate", c.estimate.w},
-             {"smooth", c.estimate.smooth},
-             {"rough", c.estimate.rough},
-             {"truncation", c.estimate.truncation}};
+             {"estimate", c.estimate},
+             {"smooth", c.smooth},
+             {"rough", c.rough},
+             {"truncation", c.truncation}};
     if (c.error) {
       row["error"] = *c.error;
-      if (*c.error > 0) row["effectivity"] = c.estimate.w / *c.error;
+      if (*c.error > 0) row["effectivity"] = c.estimate / *c.error;
     }
     if (c.n_kept) row["kept"] = *c.n_kept;
-    row["certified"] = c.is_certified;
+    if (c.is_certified) row["certified"] = *c.is_certified;
     row["seconds"] = c.seconds;
     json["cycles"].push_back(std::move(row));
   }
   return json;
 }
 
+namespace {
+
+/// Solves on the mesh of the setting, and estimates the error.
+template <int D>
+Solved<D> solve_cycle(Setting<D>& setting, RecoveredDerivatives<D>& derivatives, AdaptiveCycle& cycle, Report& report,
+                      Session& session) {
+  const auto start = std::chrono::steady_clock::now();
+  StageClock clock(session.observer, report.times);
+  prepare(setting, clock);
+  Solved<D> solved = solve_case<D>(setting, {}, clock);
+  derivatives = recover_derivatives(setting.volumes, solved.arrays.u, clock);
+  const ErrorEstimate estimate =
+      estimate_error(setting.mesh, setting.volumes, setting.boundary, make_problem(setting.compiled, 0),
+                     solved.arrays.u, derivatives, setting.given.newton.linear, clock);
+  cycle.n_vertices = setting.mesh.points.size();
+  cycle.estimate = estimate.w;
+  cycle.smooth = estimate.smooth;
+  cycle.rough = estimate.rough;
+  cycle.truncation = estimate.truncation;
+  cycle.is_trusted = is_trusted(setting.mesh);
+  if (solved.figures.errors) cycle.error = solved.figures.errors->w;
+  cycle.seconds += seconds_since(start);
+  return solved;
+}
+
+/// Gives the setting another mesh.
+template <int D>
+void adopt(NextMesh<D>& next, Setting<D>& setting, Report& report) {
+  std::swap(setting.mesh, next.mesh);
+  std::swap(setting.volumes, next.volumes);
+  report.quality = next.quality;
+  report.certificate = next.certificate;
+  report.packing = next.packing;
+  report.costliest_features.reset();
+}
+
+}  // namespace
+
 template <int D>
 Solved<D> solve_adaptively(Setting<D>& setting, const Domain<D>& domain, const AdaptiveWishes& wishes,
                            const std::function<void(std::size_t cycle, const SolutionArrays<D>&)>& on_cycle,
                            AdaptiveFigures& figures, Report& report, Session& session) {
-  const Case& given = setting.given;
-  const Mesher<D> make_next(domain, wishes, given, session);
-  AdaptiveCycle cycle{.n_vertices = setting.mesh.points.size()};
+  const bool follows_field = !wishes.field.empty();
+  if (wishes.max_vertices && !follows_field && setting.mesh.points.size() > *wishes.max_vertices)
+    throw LimitError(Fault{.id = "adapt.too_many_vertices",
+                           .message = fmt::format("the first mesh has {} vertices, more than --max-vertices {}",
+                                                  setting.mesh.points.size(), *wishes.max_vertices),
+                           .fix = "allow more, or begin with a larger size.",
+                           .file = setting.given.file.string()});
+  figures.not_estimated = left_out_of_estimate(setting.given);
+  const Mesher<D> make_next(domain, wishes, setting.given, session);
+  RecoveredDerivatives<D> derivatives;
+  AdaptiveCycle first;
+  if (report.certificate) first.is_certified = report.certificate->ok;
+  Solved<D> solved = solve_cycle(setting, derivatives, first, report, session);
+  figures.cycles.push_back(first);
+  on_cycle(0, solved.arrays);
   for (;;) {
-    const auto start = std::chrono::steady_clock::now();
-    Solved<D> solved = [&] {
-      StageClock clock(session.observer, report.times);
-      prepare(setting, clock);
-      return solve_case<D>(setting, {}, clock);
-    }();
-    StageClock clock(session.observer, report.times);
-    clock.begin_stage("recover");
-    const RecoveredDerivatives<D> derivatives = recover_derivatives(setting.volumes, solved.arrays.u, clock);
-    clock.begin_stage("estimate");
-    cycle.estimate = estimate_error(setting.mesh, setting.volumes, setting.boundary, make_problem(setting.compiled, 0),
-                                    solved.arrays.u, derivatives, given.newton.linear, clock);
-    clock.stop();
-    cycle.is_trusted = is_trusted(setting.mesh);
-    cycle.estimate.error = {};
-    cycle.estimate.defect = {};
-    if (solved.figures.errors) cycle.error = solved.figures.errors->w;
-    cycle.seconds += seconds_since(start);
-    figures.cycles.push_back(cycle);
-    on_cycle(figures.cycles.size() - 1, solved.arrays);
-
-    std::optional<double> wanted = next_count(wishes, figures, D);
-    if (wanted && !wishes.field.empty()) {
+    std::optional<double> wanted;
+    if (!follows_field)
+      wanted = wish_next(wishes, figures, D);
+    else if (figures.cycles.size() == 1)
       wanted = static_cast<double>(*wishes.max_vertices);
-      if (figures.cycles.size() > 1) figures.end = "max_vertices", wanted.reset();
-    }
+    else
+      figures.end = "field";
     if (!wanted) return solved;
-    cycle = {};
-    const auto begin = std::chrono::steady_clock::now();
-    if (!make_next(derivatives, *wanted, setting, cycle, report)) {
-      figures.end = wishes.max_vertices ? "max_vertices" : "no_finer_mesh";
+    // What cannot be made or solved leaves what was there before.
+    try {
+      const auto start = std::chrono::steady_clock::now();
+      std::optional<NextMesh<D>> next = make_next(setting, derivatives, *wanted, report.times);
+      figures.end = !next ? (wishes.max_vertices ? "max_vertices" : "no_finer_mesh")
+                          : (next->certificate.ok ? "" : "not_certified");
+      if (!figures.end.empty()) {
+        if (follows_field) figures.end = next ? "not_certified" : "no_mesh_for_field";
+        return solved;
+      }
+      AdaptiveCycle cycle{.n_kept = next->n_kept, .is_certified = true, .seconds = seconds_since(start)};
+      Report before = report;
+      adopt(*next, setting, report);
+      try {
+        solved = solve_cycle(setting, derivatives, cycle, report, session);
+      } catch (const NumericalError&) {
+        std::swap(setting.mesh, next->mesh);
+        std::swap(setting.volumes, next->volumes);
+        report = std::move(before);
+        prepare(setting, session.observer);
+        throw;
+      }
+      figures.cycles.push_back(cycle);
+      on_cycle(figures.cycles.size() - 1, solved.arrays);
+    } catch (const LimitError& error) {
+      figures.end = "limit";
+      figures.reason = error.what();
+      return solved;
+    } catch (const NumericalError& error) {
+      figures.end = "not_converged";
+      figures.reason = error.what();
       return solved;
     }
-    cycle.seconds = seconds_since(begin);
   }
 }
 

@@ -30,27 +30,34 @@ struct AdaptiveWishes {
 /// --adapt and what belongs to it.
 void add_adaptive_options(CLI::App& command, AdaptiveWishes& wishes);
 
+/// The options as the report lists them.
+Json options_json(const AdaptiveWishes& wishes);
+
 /// What a case has to be for that. Throws OptionError cli.contradiction, cli.missing.
 void check_adaptive(const AdaptiveWishes& wishes, const Case& given);
 
-/// One solution on the way.
+/// One solution on the way: its ErrorEstimate, and what it cost.
 struct AdaptiveCycle {
   std::uint64_t n_vertices = 0;
-  ErrorEstimate estimate{};       ///< Its figures; the arrays are empty.
+  double estimate = 0, smooth = 0, rough = 0, truncation = 0;
   std::optional<double> error{};  ///< In the W norm, if the exact solution is known.
   std::optional<std::uint64_t> n_kept{};
-  bool is_trusted = true;  ///< There are enough vertices inside for an estimate.
-  bool is_certified = true;
-  double seconds = 0;  ///< To mesh, solve and estimate.
+  bool is_trusted = true;              ///< There are enough vertices inside for an estimate.
+  std::optional<bool> is_certified{};  ///< Unknown of a mesh that the user brought.
+  double seconds = 0;                  ///< To mesh, solve and estimate.
 };
 
 struct AdaptiveFigures {
   std::vector<AdaptiveCycle> cycles;
-  std::string end;  ///< Why there are no more: "tolerance", "max_vertices", "max_cycles", ...
+  std::string end;                         ///< Why there are no more, as in docs/case.md.
+  std::string reason;                      ///< The message of what failed, if that is why.
+  std::vector<std::string> not_estimated;  ///< What the case has that estimates do not see.
 };
 
+/// What a case has that `estimate_error` leaves out, in words.
+std::vector<std::string> left_out_of_estimate(const Case& given);
 std::string adaptive_table(const AdaptiveFigures& figures);
-Json adaptive_json(const AdaptiveWishes& wishes, const AdaptiveFigures& figures);
+Json adaptive_json(const AdaptiveFigures& figures);
 
 /// Solves on the mesh of `setting`, which is of `domain`, and on meshes that take its place there, until one of the
 /// wishes is met. What is reported of a mesh is that of the last one. on_cycle is called after each solution.

@@ -44,7 +44,7 @@ void refuse_negative_areas(const fs::path& mesh, const QualityReport& quality) {
 
 Json options_json(const Case& given, const AdaptiveWishes& adaptive) {
   Json json;
-  json["adapt"] = adaptive.is_wished;
+  json["adapt"] = adaptive.is_wished ? options_json(adaptive) : Json(false);
   json["method"] = given.method == CaseMethod::kControlVolumes ? "cvm" : "fem";
   for (const fs::path& mesh : given.outputs.meshes) json["output"].push_back(mesh.string());
   if (given.outputs.cells) json["cells"] = given.outputs.cells->string();
@@ -109,9 +109,13 @@ ExitCode finish_case(Setting<D>& setting, const Domain<D>* domain, const SolveAr
   report.solve = solve_json(solved.figures);
   ExitCode code = ExitCode::kDone;
   if (arguments.adaptive.is_wished) {
-    (*report.solve)["adaptivity"] = adaptive_json(arguments.adaptive, adaptive);
+    (*report.solve)["adaptivity"] = adaptive_json(adaptive);
     text += adaptive_table(adaptive) + '\n';
-    if (adaptive.end == "not_certified")
+    if (adaptive.end == "limit" || adaptive.end == "no_mesh_for_field")
+      code = ExitCode::kLimit;
+    else if (adaptive.end == "not_converged")
+      code = ExitCode::kNotConverged;
+    else if (adaptive.end == "not_certified")
       code = ExitCode::kCheckFailed;
     else if (arguments.adaptive.tolerance && adaptive.end != "tolerance" && adaptive.end != "no_error")
       code = ExitCode::kNotConverged;

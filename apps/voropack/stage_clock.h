@@ -16,7 +16,7 @@ class StageClock : public Observer {
   StageClock(Observer& next, StageTimes& times) : next_(next), times_(times) {}
   StageClock(const StageClock&) = delete;
   StageClock& operator=(const StageClock&) = delete;
-  ~StageClock() override = default;
+  ~StageClock() override { stop(); }
 
   void begin_stage(std::string_view name) override {
     stop();

@@ -32,6 +32,7 @@ struct RecoveredDerivatives {
 
 /// Fits a cubic polynomial through the value at each vertex to those of its neighbors in the region and their
 /// neighbors, by least squares with weights 1 / distance^2; a quadratic or linear one where these are too few.
+/// Throws: InputError adapt.wrong_length.
 /// Cost: O(n), some 100 microseconds per vertex in space. The same result for any number of threads.
 template <int D>
 RecoveredDerivatives<D> recover_derivatives(const ControlVolumes<D>& volumes, const VertexValues& values,
@@ -44,15 +45,19 @@ struct ErrorEstimate {
   double rough = 0;    ///< 0.8 times the W norm of RecoveredDerivatives::misfit: singularities, and unresolved layers.
   VertexValues error;  ///< [n_vertices] u_h - u as far as the recovered derivatives explain it.
   EdgeValues defect;   ///< [n_faces] U1 - U2 on each dual face: difference quotient less mean flux.
-  double truncation = 0;  ///< || U1 - U2 ||_W, which is at least `smooth` (Theorem 2.1).
+  double truncation =
+      0;  ///< || U1 - U2 ||_W; at least `smooth` if kappa = 1 and u is given on the boundary (Theorem 2.1).
 };
 
-/// Solves for the error: with e = u_h - u, the exact fluxes U2 and the difference quotients U1 of the exact solution,
+/// Solves for the error. With e = u_h - u, the exact fluxes U2 and the difference quotients U1 of the exact solution,
+/// where kappa is constant in each region and the source is integrated over cells,
 ///
 ///     sum_j c_ij (e_i - e_j) + sigma_i |V_i| e_i = sum_j c_ij h_ij (U2_ij - U1_ij), e = 0 where u is given.
 ///
-/// U1 - U2 is that of the recovered polynomials (docs/theory/adaptivity.md). A problem that depends on u is taken as
-/// linear about `values`. Cost: as `solve`. Throws: as `solve`.
+/// U1 - U2 is that of the recovered polynomials (docs/theory/adaptivity.md). A problem that depends on u is
+/// linearized about `values`. What is made by kappa that varies inside a region, by taking reaction, Robin conditions
+/// and sources at vertices, is not in the estimate. Cost: as `solve`. Throws: as `solve`; InputError
+/// adapt.wrong_length.
 template <int D>
 ErrorEstimate estimate_error(const Mesh<D>& mesh, const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary,
                              const DiffusionProblem<D>& problem, const VertexValues& values,

@@ -42,6 +42,8 @@ struct SizeWishes {
   struct Field {
     Mesh<D> mesh;
     std::vector<double> size;  ///< [mesh.points.size()]
+    /// Its simplices fill the domain: there is no inside without a size. Lets constants be seen faster.
+    bool fills_domain = false;
   };
   /// Within a distance of a polyline; with one point, in a ball.
   struct Tube {

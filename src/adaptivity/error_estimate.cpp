@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -11,6 +13,7 @@
 #include "solve/coefficients.h"
 #include "solve/floating_parts.h"
 #include "voropack/adaptivity.h"
+#include "voropack/error.h"
 
 namespace voropack {
 
@@ -19,7 +22,7 @@ namespace {
 /// Of the misfit of the recovered polynomials, the part that is error: measured at corners and at unresolved layers.
 constexpr double kRoughShare = 0.8;
 
-/// Moments of a part of a dual face about the origin, per measure: what is integrated over faces.
+/// Moments of a part of a dual face about the midpoint of its edge, per measure: what is integrated over faces.
 template <int D>
 struct Moments {
   Vec<D> first;
@@ -38,11 +41,13 @@ struct Moments {
   friend Moments operator/(const Moments& m, double divisor) { return (1 / divisor) * m; }
 };
 
-/// Of a simplex of dimension D - 1.
+/// Of a simplex of dimension D - 1, whose first corner is that midpoint. Far from the origin, moments about that would
+/// leave rounding alone.
 template <int D>
-Moments<D> moments_of(const std::array<Vec<D>, D>& corners) {
+Moments<D> moments_of(std::array<Vec<D>, D> corners) {
+  const Vec<D> middle = corners[0];
   Vec<D> sum;
-  for (const Vec<D>& c : corners) sum += c;
+  for (Vec<D>& c : corners) sum += c -= middle;
   Moments<D> m;
   m.first = sum / static_cast<double>(D);
   for_symmetric_entries<D>([&](std::size_t entry, int k, int l) {
@@ -70,17 +75,13 @@ EdgeValues find_defects(const Mesh<D>& mesh, const ControlVolumes<D>& volumes,
     const auto [i, j] = volumes.face_vertices[f];
     const double h = volumes.face_edge_length[f];
     const Vec<D> normal = (volumes.sites[j] - volumes.sites[i]) / h;
-    const Vec<D> middle = 0.5 * (volumes.sites[i] + volumes.sites[j]);
-    const Vec<D> to_centroid = moments[f].first - middle;
-    SymmetricEntries<D> mean, change, about_middle;
-    for_symmetric_entries<D>([&](std::size_t entry, int k, int l) {
+    SymmetricEntries<D> mean, change;
+    for_symmetric_entries<D>([&](std::size_t entry, int, int) {
       const double first = hessian[sides[f][0]][entry], second = hessian[sides[f][1]][entry];
       mean[entry] = 0.5 * (first + second);
       change[entry] = second - first;
-      about_middle[entry] = moments[f].second[entry] - middle[k] * moments[f].first[l] -
-                            middle[l] * moments[f].first[k] + middle[k] * middle[l];
     });
-    defect[f] = dot(normal, times<D>(mean, to_centroid)) + contract<D>(change, about_middle) / (2 * h) -
+    defect[f] = dot(normal, times<D>(mean, moments[f].first)) + contract<D>(change, moments[f].second) / (2 * h) -
                 h * dot(normal, times<D>(change, normal)) / 24;
   });
   return defect;
@@ -92,8 +93,6 @@ CellTerms error_terms(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& 
                       const DiffusionProblem<D>& problem, const VertexValues& values, const EdgeValues& defect) {
   const CellIndex index(volumes);
   CellTerms terms = evaluate(volumes, boundary, index, problem, &values);
-  terms.coupling_slope.clear();
-  terms.source_slope.clear();
   std::ranges::fill(terms.source, 0.0);
   for (const DualFaceId f : ids(defect)) {
     const double load = -terms.coupling[f] * volumes.face_edge_length[f] * defect[f];
@@ -113,10 +112,18 @@ ErrorEstimate estimate_error(const Mesh<D>& mesh, const ControlVolumes<D>& volum
                              const RecoveredDerivatives<D>& derivatives, const LinearOptions& options,
                              Observer& observer) {
   observer.begin_stage("estimate");
+  if (values.size() != volumes.sites.size() || derivatives.hessian.size() != volumes.cell_vertex.size() ||
+      derivatives.misfit.size() != volumes.face_area.size())
+    throw InputError(Fault{
+        .id = "adapt.wrong_length",
+        .message = fmt::format("{} values and derivatives in {} cells for {} vertices with {} cells", values.size(),
+                               derivatives.hessian.size(), volumes.sites.size(), volumes.cell_vertex.size()),
+        .fix = "give one value for each vertex, and derivatives recovered on the same mesh"});
   ErrorEstimate result;
   result.defect = find_defects(mesh, volumes, derivatives);
   const CellTerms terms = error_terms(volumes, boundary, problem, values, result.defect);
   LinearSystem system = assemble_terms(volumes, boundary, terms);
+  if (!terms.source_slope.empty() || !terms.coupling_slope.empty()) differentiate_terms(volumes, terms, values, system);
   VertexValues volume(volumes.sites.size(), 0.0);
   for (const CellId c : ids(volumes.cell_volume)) volume[volumes.cell_vertex[c]] += volumes.cell_volume[c];
   const std::optional<double> mean = problem.mean ? std::optional(0.0) : std::nullopt;

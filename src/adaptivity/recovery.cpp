@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -6,6 +8,7 @@
 #include "adaptivity/cell_neighbors.h"
 #include "adaptivity/symmetric.h"
 #include "voropack/adaptivity.h"
+#include "voropack/error.h"
 
 namespace voropack {
 
@@ -159,6 +162,10 @@ template <int D>
 RecoveredDerivatives<D> recover_derivatives(const ControlVolumes<D>& volumes, const VertexValues& values,
                                             Observer& observer) {
   observer.begin_stage("recover");
+  if (values.size() != volumes.sites.size())
+    throw InputError(Fault{.id = "adapt.wrong_length",
+                           .message = fmt::format("{} values for {} vertices", values.size(), volumes.sites.size()),
+                           .fix = "give one value for each vertex"});
   const std::size_t n = volumes.cell_vertex.size();
   const auto sides = cells_of_faces(volumes);
   const Csr<CellId, CellId> neighbors = cell_neighbors(sides, n);

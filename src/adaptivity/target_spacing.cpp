@@ -75,7 +75,8 @@ VertexValues target_spacing(const ControlVolumes<D>& volumes, const RecoveredDer
                             .message = fmt::format("{} vertices are wanted, with factors of the spacing from {} to {}",
                                                    options.n_vertices, options.least_factor, options.largest_factor),
                             .fix = "give positive numbers, the factors in ascending order"});
-  if (spacing.size() != volumes.sites.size() || derivatives.curvature.size() != volumes.cell_vertex.size())
+  if (spacing.empty() || spacing.size() != volumes.sites.size() ||
+      derivatives.curvature.size() != volumes.cell_vertex.size())
     throw InputError(Fault{.id = "adapt.wrong_length",
                            .message = fmt::format("{} values of the spacing and {} of the derivatives for {} vertices "
                                                   "with {} cells",
@@ -109,8 +110,8 @@ VertexValues target_spacing(const ControlVolumes<D>& volumes, const RecoveredDer
 
 namespace {
 
-/// f grows along edges, whose paths are up to 1.998 times as long as straight lines in the plane, and somewhat more in
-/// space: where values may differ by half of what is Lipschitz along edges, f is Lipschitz.
+/// Paths along edges are longer than straight lines, by up to 1.998 in the plane: values that differ by half of what is
+/// Lipschitz along edges do so across them as well, in practice in space, too.
 constexpr double kEdgeSlope = 0.5;
 /// Packings of the same spacing differ by some percent.
 constexpr double kCountTolerance = 0.05;
@@ -126,12 +127,16 @@ Spacing<D> adapted_spacing(const Mesh<D>& mesh, const Domain<D>& domain, const C
   const IdVector<VertexId, double> before = spacing_at_vertices(mesh, spacing_options.gradation);
   const Csr<VertexId, VertexId> neighbors = vertex_neighbors(mesh);
   TargetOptions target = options;
+  double last = 0;
   for (int trial = 1;; ++trial) {
     VertexValues f = target_spacing(volumes, derivatives, before, target);
     make_lipschitz(mesh, neighbors, kEdgeSlope * spacing_options.gradation, f);
     Spacing<D> spacing = spacing_through(mesh, domain, std::move(f), wishes, spacing_options, observer);
     const double excess = estimate_sphere_count(domain, spacing, packing) / options.n_vertices;
-    if (trial == kCountTrials || std::abs(excess - 1) <= kCountTolerance) return spacing;
+    // Where the count no longer follows, the domain's features or the user's sizes decide it.
+    const bool is_stuck = std::abs(excess - last) <= 0.1 * kCountTolerance * excess;
+    if (trial == kCountTrials || std::abs(excess - 1) <= kCountTolerance || is_stuck) return spacing;
+    last = excess;
     target.n_vertices /= excess;
   }
 }

@@ -20,14 +20,13 @@ Spacing<D> interpolate(const Mesh<D>& mesh, const Domain<D>& domain, IdVector<Ve
   const double largest = *std::max_element(f.begin(), f.end());
   SizeWishes<D> all = wishes;
   all.spacing = std::min(largest, wishes.spacing.value_or(std::numeric_limits<double>::infinity()));
-  // Where f is at its largest, that constant says it all, and constants are what lattices can be laid into.
-  typename SizeWishes<D>::Field field;
-  for (const auto& corners : mesh.simplex_vertices)
-    if (std::ranges::any_of(corners, [&](VertexId v) { return f[v] < largest; }))
-      field.mesh.simplex_vertices.push_back(corners);
-  if (!field.mesh.simplex_vertices.empty()) {
+  // Where f is the same everywhere, that constant says it all.
+  if (std::ranges::any_of(f, [&](double value) { return value < largest; })) {
+    typename SizeWishes<D>::Field field;
+    field.mesh.simplex_vertices = mesh.simplex_vertices;
     field.mesh.points = mesh.points;
     field.size = std::move(f.raw());
+    field.fills_domain = true;
     all.spacing_field = std::move(field);
   }
   return build_spacing(domain, all, options, observer);

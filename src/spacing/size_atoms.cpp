@@ -152,7 +152,7 @@ std::optional<double> SizeAtoms<D>::inside(std::uint32_t i, const Vec<D>& x) con
 
 template <int D>
 std::optional<double> SizeAtoms<D>::constant(std::uint32_t i) const {
-  if (!is_local(i)) return std::nullopt;
+  if (!is_local(i) || !simplices_[atoms_[i].index].is_one_of_all) return std::nullopt;
   const auto& value = simplices_[atoms_[i].index].value;
   return std::ranges::all_of(value, [&](double v) { return v == value[0]; }) ? std::optional(value[0]) : std::nullopt;
 }

@@ -41,6 +41,7 @@ template <int D>
 struct FieldSimplex {
   std::array<Vec<D>, D + 1> corner;
   std::array<double, D + 1> value;
+  bool is_one_of_all = false;  ///< The field's simplices fill the domain.
 };
 
 /// The same with its affine function.
@@ -91,7 +92,7 @@ class SizeAtoms {
   }
   /// The value at a point of a local atom; nothing if x is outside of it.
   [[nodiscard]] std::optional<double> inside(std::uint32_t i, const Vec<D>& x) const;
-  /// The value of a local atom that is constant.
+  /// The value of a local atom that is constant and belongs to a field that fills the domain.
   [[nodiscard]] std::optional<double> constant(std::uint32_t i) const;
   /// What `at` is between. Of local atoms, for less than `at` costs; of others exact.
   [[nodiscard]] Interval bounds(std::uint32_t i, const Vec<D>& x) const;

@@ -234,7 +234,8 @@ struct SpacingTree<D>::Builder {
     return limit;
   }
 
-  /// Where a field has one value in all that a cell meets of it, that is a constant.
+  /// Where a field that fills the domain has one value in all that a cell meets of it, that is a constant. Of the
+  /// cell's part outside of the domain nobody asks.
   void join_constant_atoms(Lists& lists, bool meets_local) const {
     if (!meets_local || lists.atoms.empty()) return;
     const std::optional<double> first = sources.sizes.constant(lists.atoms.front().index);

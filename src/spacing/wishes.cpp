@@ -102,6 +102,7 @@ void add_field(const typename SizeWishes<D>::Field& field, double edge_per_spaci
   for (VertexId v : ids(mesh.points)) check_size(field.size[v.value()], fmt::format("the size at point {}", v.value()));
   for (const auto& vertices : mesh.simplex_vertices) {
     FieldSimplex<D> simplex;
+    simplex.is_one_of_all = field.fills_domain;
     for (std::size_t i = 0; i <= D; ++i) {
       simplex.corner[i] = mesh.points[vertices[i]];
       simplex.value[i] = field.size[vertices[i].value()] / edge_per_spacing;

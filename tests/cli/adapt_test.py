@@ -104,17 +104,46 @@ class AdaptTest(CommandLineTest):
         case = ('[domain]\nfile = "square.poly"\nsize = {size}\n[boundary.others]\ntype = "dirichlet"\nvalue = 0\n'
                 '[time]\nend = 0.01\nstep = 0.005\ninitial = {initial}\n')
         self.write("first.toml", case.format(size=0.1, initial='"sin(pi*x)*sin(pi*y)"'))
-        self.succeed("solve", "first.toml", "-o", "first.vtu")
+        self.succeed("solve", "first.toml", "-o", "first.vtu", "--cells", "first_cells.vtu")
         for way in ("interpolate", "conserve"):
             self.write("second.toml", case.format(
                 size=0.07, initial=f'{{array = "u", file = "first_0001.vtu", transfer = "{way}"}}'))
-            self.succeed("solve", "second.toml", "-o", "second.vtu")
+            self.succeed("solve", "second.toml", "-o", "second.vtu", "--cells", "second_cells.vtu")
             before, after = (meshio.read(self.folder / name) for name in ("first_0001.vtu", "second_0000.vtu"))
             self.assertLess(abs(before.point_data["u"].max() - after.point_data["u"].max()), 0.05)
+            if way == "conserve":
+                self.assertAlmostEqual(self.integral("first_cells_0001.vtu"), self.integral("second_cells_0000.vtu"),
+                                       places=12)
         self.write("second.toml", case.format(size=0.07, initial='{array = "u", file = "first_0001.vtu"}'))
         result = self.run_program("solve", "second.toml")
         self.assertEqual(result.returncode, 2)
         self.assertIn('transfer = "interpolate"', result.stderr)
+
+    def integral(self, name):
+        cells = meshio.read(self.folder / name).cell_data
+        return numpy.concatenate(cells["u"]) @ numpy.concatenate(cells["volume"])
+
+    def test_a_limit_leaves_what_was_there_before(self):
+        self.write("small.toml", CASE.replace("size = 0.2", "size = 0.2\nmax_vertices = 400"))
+        figures = self.adapt("--cycles", "6", "-o", "small.vtu", case="small.toml", code=3)
+        self.assertEqual(figures["end"], "limit")
+        self.assertIn("vertices", figures["reason"])
+        self.assertTrue((self.folder / f"small_{len(figures['cycles']) - 1:04}.vtu").exists())
+        result = self.run_program("solve", "layer.toml", "--adapt", "--max-vertices", "10", "-o", "none.vtu")
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("larger size", result.stderr)
+
+    def test_a_mesh_with_nothing_inside_is_not_believed(self):
+        self.write("tiny.toml", CASE.replace("size = 0.2", "size = 3"))
+        cycles = self.adapt("--tolerance", "0.5", case="tiny.toml")["cycles"]
+        self.assertGreater(len(cycles), 2)
+        self.assertLess(cycles[-1]["error"], 1)
+
+    def test_what_estimates_do_not_see_is_told(self):
+        self.write("varied.toml", CASE.replace("[equation]", '[equation]\nconductivity = "1 + x"\nreaction = 2'))
+        figures = self.adapt("--cycles", "1", case="varied.toml")
+        self.assertEqual(len(figures["not_estimated"]), 2)
+        self.assertIn("not in the estimate", self.output)
 
     def test_what_is_refused(self):
         in_time = CASE + '[time]\nend = 1.0\n'

@@ -14,6 +14,7 @@
 #include "voropack/diffusion.h"
 #include "voropack/dual.h"
 #include "voropack/error.h"
+#include "voropack/nonlinear.h"
 #include "voropack/refinement.h"
 
 namespace voropack {
@@ -88,7 +89,7 @@ double slope(const Cycle& a, const Cycle& b) {
 }
 
 void expect_effective_after_two(const std::vector<Cycle>& cycles) {
-  for (std::size_t k = 3; k < cycles.size(); ++k) {
+  for (std::size_t k = 2; k < cycles.size(); ++k) {
     EXPECT_GE(cycles[k].effectivity, 0.5) << "cycle " << k;
     EXPECT_LE(cycles[k].effectivity, 2) << "cycle " << k;
   }
@@ -159,7 +160,7 @@ TEST(Adaptivity, ExponentialOnTheCube) {
   EXPECT_LT(cycles.back().error, solve_exact(uniform, exponential()).error);
 }
 
-/// Two regions of the unit square with conductivities 1 and 100, u linear in each: a kink, and nothing else.
+/// u is linear on both sides of the interface at x = 1: a kink, and nothing else.
 TEST(Adaptivity, NothingReachesAcrossAJump) {
   const Mesh<2> mesh = uniform_mesh(domains::two_material_box<2>(), 0.1);
   const ControlVolumes<2> volumes = build_control_volumes(mesh);
@@ -204,6 +205,37 @@ TEST(Adaptivity, LinearSolutionsHaveNoError) {
   const ErrorEstimate estimate =
       estimate_error(mesh, solved.volumes, solved.areas, solved.problem, solved.values, derivatives);
   EXPECT_LT(estimate.w, 1e-9);
+}
+
+/// The estimate follows rigid motions: also those that take the mesh far away.
+TEST(Adaptivity, EstimatesAreTheSameFarFromTheOrigin) {
+  const auto estimate_at = [](double shift) {
+    Mesh<2> mesh = uniform_mesh(domains::unit_box<2>(), 0.1);
+    for (auto& x : mesh.points) x += Vec<2>{shift, shift};
+    const ExactProblem<2> bump = {[=](const Vec<2>& x) { return std::exp(x[0] - shift) * std::sin(x[1] - shift); },
+                                  [](const Vec<2>&) { return 0.0; }};
+    const Solution<2> solved = solve_exact(mesh, bump);
+    const auto derivatives = recover_derivatives(solved.volumes, solved.values);
+    return estimate_error(mesh, solved.volumes, solved.areas, solved.problem, solved.values, derivatives).w;
+  };
+  EXPECT_NEAR(estimate_at(1048576) / estimate_at(0), 1, 1e-3);
+}
+
+/// A source that depends on u is part of the matrix of the error's equation, and may be all that holds the solution.
+TEST(Adaptivity, NonlinearProblemsAreLinearized) {
+  const Mesh<2> mesh = uniform_mesh(domains::unit_box<2>(), 0.05);
+  const ControlVolumes<2> volumes = build_control_volumes(mesh);
+  const BoundaryAreas<2> areas = build_boundary_areas(mesh);
+  DiffusionProblem<2> problem;
+  StateFunction<2> source;
+  source.value = [](const Vec<2>& x, int, double u) { return std::cos(3 * x[0]) - u; };
+  source.derivative = [](const Vec<2>&, int, double) { return -1.0; };
+  problem.source = source;
+  const VertexValues values = solve_nonlinear(volumes, areas, problem, {}).state.values;
+  const auto derivatives = recover_derivatives(volumes, values);
+  const ErrorEstimate estimate = estimate_error(mesh, volumes, areas, problem, values, derivatives);
+  EXPECT_GT(estimate.w, 0);
+  EXPECT_LT(estimate.w, 0.02);
 }
 
 TEST(Adaptivity, WhatIsRefused) {

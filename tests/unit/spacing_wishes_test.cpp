@@ -202,6 +202,16 @@ TEST(Spacing, FieldIsTheLeastEnvelopeOfItsSimplices) {
   });
 }
 
+/// Nothing is known of the part of a cell that a field does not reach, however constant it is.
+TEST(Spacing, AConstantFieldOnAPartOfTheDomainGrowsBesideIt) {
+  SizeWishes<2> wishes;
+  wishes.field = two_triangles();
+  wishes.field->size.assign(4, 0.01 * kRatio);
+  const Box<2> patch({0.2, 0.2}, {0.8, 0.8});
+  expect_wish(plain::unit_box<2>(), wishes,
+              [&](const Vec<2>& x) { return 0.01 + 0.2 * std::sqrt(patch.distance_sq(x)); });
+}
+
 TEST(Spacing, ExpressionIsMetFromBelowWithinTenPercent) {
   SizeWishes<2> wishes;
   wishes.expression = "0.033 + 0.3*hypot(x-0.5, y-0.5)";  // f grows by 0.09 < b: nothing to smooth.
