@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "geom/circumcenter.h"
+#include "geom/distance.h"
 #include "geom/polytope_distance.h"
 #include "packing/book.h"
 #include "packing/corner.h"
@@ -235,7 +236,14 @@ class BoundaryPacker {
     for (const auto& [p, groups] : protection_.fans.all())
       for (const auto& segments : groups) {
         Tie tie{{}, protection_.least_angle(p, segments), protection_.corner_radius(p)};
-        for (const SegmentId s : segments) tie.ends.push_back({s.value(), domain_.segments[s][1] == p});
+        for (const SegmentId s : segments) {
+          double angle = std::numbers::pi;
+          for (const SegmentId t : segments)
+            if (t != s)
+              angle = std::min(
+                  angle, angle_between(protection_.incidence.direction(s, p), protection_.incidence.direction(t, p)));
+          tie.ends.push_back({s.value(), domain_.segments[s][1] == p, angle});
+        }
         ties.push_back(std::move(tie));
       }
     return ties;

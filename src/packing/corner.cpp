@@ -72,8 +72,7 @@ std::vector<FanArc> pack_corners(const Domain<3>& domain, const Protection<3>& p
         Tie tie{{}, protection.least_angle(s, pages), 0};
         for (const Page& page : pages) {
           StrandEnd end = ends.at({s, page});
-          const double own = angle_to_others(protection.incidence, s, pages, page);
-          if (own >= kSharpAngle) end.wide_angle = own;
+          end.angle = angle_to_others(protection.incidence, s, pages, page);
           tie.ends.push_back(end);
         }
         ties.push_back(std::move(tie));

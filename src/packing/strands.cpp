@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -21,6 +22,10 @@ constexpr double kShare = 0.45;
 constexpr double kLeftover = 2.5;
 /// Kept centers of different strands at distances that differ by less than this, relative to f, are the same shell.
 constexpr double kSameShell = 0.1;
+/// What a strand wants that is apart from the others where they begin: not 0, which is no tie.
+constexpr double kAtOnce = std::numeric_limits<double>::min();
+/// Strands whose lengths differ by less than this part of them end at the same distance.
+constexpr double kSameLength = 1e-9;
 
 template <int D>
 class StrandPacker {
@@ -34,11 +39,11 @@ class StrandPacker {
         is_full_(strands.size()) {}
 
   void tie(const std::vector<Tie>& ties) {
-    std::vector<std::array<double, 2>> wanted(strands_.size());
+    std::vector<std::array<double, 2>> wanted(strands_.size());  // 0: not tied at that end.
     for (const Tie& t : ties) {
-      const double w = wanted_reach(t, t.angle);
-      for (const StrandEnd& e : t.ends)
-        wanted[e.strand][e.is_far ? 1 : 0] = e.wide_angle ? wanted_reach(t, *e.wide_angle) : w;
+      const std::vector<double> reach = wanted_reach(t);
+      for (std::size_t m = 0; m < reach.size(); ++m)
+        wanted[t.ends[m].strand][t.ends[m].is_far ? 1 : 0] = std::max(reach[m], kAtOnce);
     }
     for (const Tie& t : ties) add_shells(t, wanted);
   }
@@ -83,28 +88,27 @@ class StrandPacker {
     return std::max(spacing_(x), 0.5 * strands_[strand].least_step);
   }
 
-  /// The same at distance t from the common point, on the strand where it is least.
-  [[nodiscard]] double least(const Tie& tie, double t) const {
-    double f = std::numeric_limits<double>::infinity();
-    for (const StrandEnd& e : tie.ends) f = std::min(f, half_step(e.strand, at(e, t)));
-    return f;
-  }
+  [[nodiscard]] double length(const StrandEnd& e) const { return strands_[e.strand].length; }
 
-  [[nodiscard]] double shortest(const Tie& tie) const {
-    double length = std::numeric_limits<double>::infinity();
-    for (const StrandEnd& e : tie.ends) length = std::min(length, strands_[e.strand].length);
-    return length;
-  }
-
-  /// The distance at which the strands are far enough apart, or the length of the shortest.
-  [[nodiscard]] double wanted_reach(const Tie& tie, double angle) const {
-    const double slope = std::sin(std::min(angle, std::numbers::pi / 2)), length = shortest(tie);
-    for (double t = 0; t < length; t += 0.25 * least(tie, t)) {
-      double largest = 0;
-      for (const StrandEnd& e : tie.ends) largest = std::max(largest, spacing_(at(e, t)));
-      if ((tie.start + t) * slope >= kTieApart * largest) return t;
+  /// How far each strand is nearer to others of the tie than it may be alone: at most its length.
+  [[nodiscard]] std::vector<double> wanted_reach(const Tie& tie) const {
+    std::vector<double> reach(tie.ends.size(), -1);
+    for (double t = 0; std::ranges::count(reach, -1.0) > 0;) {
+      double largest = 0, least = std::numeric_limits<double>::infinity();
+      for (std::size_t m = 0; m < reach.size(); ++m) {
+        const StrandEnd& e = tie.ends[m];
+        if (reach[m] < 0 && t >= length(e)) reach[m] = length(e);
+        if (reach[m] >= 0) continue;
+        largest = std::max(largest, spacing_(at(e, t)));
+        least = std::min(least, half_step(e.strand, at(e, t)));
+      }
+      for (std::size_t m = 0; m < reach.size(); ++m) {
+        const double slope = std::sin(std::min(tie.ends[m].angle, std::numbers::pi / 2));
+        if (reach[m] < 0 && (tie.start + t) * slope >= kTieApart * largest) reach[m] = t;
+      }
+      t += 0.25 * least;
     }
-    return length;
+    return reach;
   }
 
   /// How far a tie may reach along a strand of its own, of which the one at the other end wants a part.
@@ -113,13 +117,29 @@ class StrandPacker {
     return own <= share ? own : std::max(share, length - other);
   }
 
+  /// How far the strands of a tie carry common distances.
+  struct Reach {
+    std::vector<double> of;  ///< By end of the tie.
+    double end = 0;          ///< Of the tie: there are two strands up to here.
+
+    [[nodiscard]] bool holds(std::size_t m, double t) const { return t <= of[m]; }
+  };
+
+  /// f as far as steps depend on it, at distance t on the tied strand where it is least.
+  [[nodiscard]] double least(const Tie& tie, const Reach& reach, double t) const {
+    double f = std::numeric_limits<double>::infinity();
+    for (std::size_t m = 0; m < tie.ends.size(); ++m)
+      if (reach.holds(m, t)) f = std::min(f, half_step(tie.ends[m].strand, at(tie.ends[m], t)));
+    return f;
+  }
+
   /// A distance from a tie's common point where strands have kept centers.
   struct Break {
     double position;
     std::vector<int> kept;  ///< By end of the tie: index into Strand::kept, or -1.
   };
 
-  [[nodiscard]] std::vector<Break> find_breaks(const Tie& tie) const {
+  [[nodiscard]] std::vector<Break> find_breaks(const Tie& tie, const Reach& reach) const {
     struct Kept {
       double position;
       std::size_t end;
@@ -134,91 +154,134 @@ class StrandPacker {
     std::ranges::sort(all, {}, [](const Kept& k) { return std::pair(k.position, k.end); });
     std::vector<Break> breaks;
     for (const Kept& k : all) {
-      const bool is_same = !breaks.empty() && breaks.back().kept[k.end] < 0 &&
-                           k.position - breaks.back().position <= kSameShell * least(tie, k.position);
+      const bool is_same =
+          !breaks.empty() && breaks.back().kept[k.end] < 0 &&
+          k.position - breaks.back().position <= kSameShell * least(tie, reach, std::min(k.position, reach.end));
       if (!is_same) breaks.push_back({k.position, std::vector<int>(tie.ends.size(), -1)});
       breaks.back().kept[k.end] = k.index;
     }
     return breaks;
   }
 
+  /// True if the strand is near to others up to its other end, where nothing ties it.
+  [[nodiscard]] bool is_near_throughout(const StrandEnd& e, const std::vector<std::array<double, 2>>& wanted) const {
+    return wanted[e.strand][e.is_far ? 0 : 1] == 0 && wanted[e.strand][e.is_far ? 1 : 0] >= length(e);
+  }
+
+  [[nodiscard]] Reach find_reach(const Tie& tie, const std::vector<std::array<double, 2>>& wanted) const {
+    Reach reach;
+    for (const StrandEnd& e : tie.ends) {
+      // One step more than needed, as the others go on at common distances; but none where all are apart from the
+      // start.
+      const double own = wanted[e.strand][e.is_far ? 1 : 0], other = wanted[e.strand][e.is_far ? 0 : 1];
+      const double step = own > kAtOnce ? 2 * half_step(e.strand, at(e, own)) : 0;
+      const double left = std::min(length(e), own + step);
+      reach.of.push_back(other > 0 ? allowed_reach(length(e), left, other) : left);
+    }
+    std::vector<double> sorted = reach.of;
+    std::ranges::sort(sorted, std::greater<>());
+    reach.end = sorted[1];
+    for (std::size_t m = 0; m < tie.ends.size(); ++m) {
+      const StrandEnd& e = tie.ends[m];
+      reach.of[m] = std::min(reach.of[m], reach.end);
+      if (wanted[e.strand][e.is_far ? 0 : 1] == 0 && !ends_at(e, reach.end, wanted))
+        reach.of[m] = std::min(reach.of[m], length(e) - kLeftover * spacing_(at(e, reach.of[m])));
+    }
+    reach.end = std::ranges::max(reach.of);
+    return reach;
+  }
+
+  /// True if the strand is tied to others all along, up to `end`, where it ends.
+  [[nodiscard]] bool ends_at(const StrandEnd& e, double end, const std::vector<std::array<double, 2>>& wanted) const {
+    return is_near_throughout(e, wanted) && length(e) - end <= kSameLength * length(e);
+  }
+
   /// Where a tie ends that should end at `end`: at kept centers that are too near for that.
-  [[nodiscard]] double fitted_end(const Tie& tie, const std::vector<Break>& breaks, double end) const {
-    const double f = least(tie, end), limit = shortest(tie) - f;
-    double nearest = end;
+  [[nodiscard]] double fitted_end(const Tie& tie, const Reach& reach, const std::vector<Break>& breaks) const {
+    const double f = least(tie, reach, reach.end);
+    double shortest = std::numeric_limits<double>::infinity(), nearest = reach.end;
+    for (std::size_t m = 0; m < tie.ends.size(); ++m)
+      if (reach.holds(m, reach.end)) shortest = std::min(shortest, length(tie.ends[m]));
     for (const Break& b : breaks)
-      if (b.position <= limit && std::abs(b.position - end) < 2 * f &&
-          (nearest == end || std::abs(b.position - end) < std::abs(nearest - end)))
+      if (b.position <= shortest - f && std::abs(b.position - reach.end) < 2 * f &&
+          (nearest == reach.end || std::abs(b.position - reach.end) < std::abs(nearest - reach.end)))
         nearest = b.position;
     return nearest;
   }
 
-  /// Common distances up to `end`: those of kept centers, and equal steps of the measure ds / f between them.
-  [[nodiscard]] std::vector<Break> common_distances(const Tie& tie, const std::vector<Break>& breaks, double end,
-                                                    bool with_end) const {
+  /// Common distances up to the end: those of kept centers, and equal steps of the measure ds / f between them.
+  [[nodiscard]] std::vector<Break> common_distances(const Tie& tie, const Reach& reach,
+                                                    const std::vector<Break>& breaks) const {
     std::vector<Break> result;
     const std::vector<int> none(tie.ends.size(), -1);
     double from = 0;
     const auto step_to = [&](double to) {
-      const LocalSpacing<1> along{[&](const Vec<1>& x) { return least(tie, from + x[0]); }, {}, spacing_.lipschitz()};
+      const LocalSpacing<1> along{[&](const Vec<1>& x) { return least(tie, reach, std::min(from + x[0], reach.end)); },
+                                  {},
+                                  spacing_.lipschitz()};
       for (const double t : equidistribute(to - from, along)) result.push_back({from + t, none});
     };
     for (const Break& b : breaks) {
-      if (b.position > end) break;
+      if (b.position > reach.end) break;
       step_to(b.position);
       result.push_back(b);
       from = b.position;
     }
-    if (from < end) step_to(end);
-    if (with_end && end - from >= least(tie, from) + least(tie, end)) result.push_back({end, none});
+    if (from < reach.end) step_to(reach.end);
+    if (reach.end - from >= least(tie, reach, from) + least(tie, reach, reach.end)) result.push_back({reach.end, none});
     return result;
   }
 
-  void add_shells(const Tie& tie, const std::vector<std::array<double, 2>>& wanted) {
-    double end = shortest(tie), longest = 0, longest_wide = 0;
-    bool is_full = true, any_stays = false;
-    for (const StrandEnd& e : tie.ends) {
-      const double length = strands_[e.strand].length;
-      const double own = wanted[e.strand][e.is_far ? 1 : 0], other = wanted[e.strand][e.is_far ? 0 : 1];
-      if (e.wide_angle) {
-        longest_wide = std::max(longest_wide, own);
-        continue;
-      }
-      any_stays = true;
-      end = std::min(end, other > 0 ? allowed_reach(length, own, other) : own);
-      longest = std::max(longest, length);
-      is_full = is_full && other == 0 && own >= length;
+  /// The first center of the end's strand that is kept and beyond t.
+  [[nodiscard]] double next_kept(const StrandEnd& e, double t) const {
+    double next = std::numeric_limits<double>::infinity();
+    for (const double own : strands_[e.strand].kept) {
+      const double position = e.is_far ? length(e) - own : own;
+      if (position > t) next = std::min(next, position);
     }
-    if (!any_stays) end = std::min(end, longest_wide);
-    is_full = is_full && any_stays && longest - end <= 1e-9 * longest;
-    if (!is_full)
-      for (const StrandEnd& e : tie.ends)
-        if (wanted[e.strand][e.is_far ? 0 : 1] == 0)
-          end = std::min(end, strands_[e.strand].length - kLeftover * spacing_(at(e, end)));
-    if (!(end > 0)) return;
-    const std::vector<Break> breaks = find_breaks(tie);
-    if (!is_full) end = fitted_end(tie, breaks, end);
-    const std::vector<Break> common = common_distances(tie, breaks, end, !is_full);
+    return next;
+  }
+
+  void add_shells(const Tie& tie, const std::vector<std::array<double, 2>>& wanted) {
+    Reach reach = find_reach(tie, wanted);
+    if (!(reach.end > 0)) return;
+    const std::vector<Break> breaks = find_breaks(tie, reach);
+    const bool any_ends =
+        std::ranges::any_of(tie.ends, [&](const StrandEnd& e) { return ends_at(e, reach.end, wanted); });
+    if (const double end = reach.end; !any_ends) {
+      reach.end = fitted_end(tie, reach, breaks);
+      for (double& t : reach.of)
+        if (t == end) t = reach.end;
+    }
+    const std::vector<Break> common = common_distances(tie, reach, breaks);
     for (std::size_t m = 0; m < tie.ends.size(); ++m) {
       const StrandEnd& e = tie.ends[m];
-      const Strand<D>& strand = strands_[e.strand];
-      auto& shells = shells_[e.strand][e.is_far ? 1 : 0];
+      const bool ends_here = ends_at(e, reach.end, wanted);
+      if (ends_here) is_full_[e.strand] = 1;
+      const double beyond = next_kept(e, reach.of[m]);
       for (std::size_t k = 0; k < common.size(); ++k) {
-        if (e.wide_angle && k > 0 && common[k - 1].position >= wanted[e.strand][e.is_far ? 1 : 0]) break;
-        const double t = common[k].position, f = least(tie, t);
-        if (const int kept = common[k].kept[m]; kept >= 0) {
-          const double own = strand.kept[static_cast<std::size_t>(kept)];
-          shells.push_back({e.is_far ? strand.length - own : own, f, kept});
-          continue;
+        const double t = common[k].position;
+        if (!reach.holds(m, t) || (ends_here && k + 1 == common.size() && t == reach.end)) break;
+        const double f = least(tie, reach, t);
+        const int kept = common[k].kept[m];
+        if (kept >= 0) {
+          const double own = strands_[e.strand].kept[static_cast<std::size_t>(kept)];
+          add_shell(e, {e.is_far ? length(e) - own : own, f, kept});
+        } else if (beyond - t >= 2 * f) {
+          add_shell(e, wobbled(tie, e, k, t, f));
         }
-        // Two equal distances t leave room for moves of t^2 (1 - cos angle) / f.
-        const double t_over_f = (tie.start + t) / f;
-        const double wobble = jitter_ * std::min(1.0, (1 - std::cos(tie.angle)) * t_over_f * t_over_f);
-        const double noise = 2 * to_unit(hash_words(seed_, e.strand, e.is_far, k)) - 1;
-        shells.push_back({t + wobble * f * noise, f * (1 - 2 * wobble)});
       }
-      if (is_full && !e.wide_angle) is_full_[e.strand] = 1;
     }
+  }
+
+  void add_shell(const StrandEnd& e, const Shell& shell) { shells_[e.strand][e.is_far ? 1 : 0].push_back(shell); }
+
+  /// Two equal distances t leave room for moves of t^2 (1 - cos angle) / f.
+  [[nodiscard]] Shell wobbled(const Tie& tie, const StrandEnd& e, std::size_t k, double t, double f) const {
+    const double t_over_f = (tie.start + t) / f;
+    const double wobble = jitter_ * std::min(1.0, (1 - std::cos(tie.angle)) * t_over_f * t_over_f);
+    const double noise = 2 * to_unit(hash_words(seed_, e.strand, e.is_far, k)) - 1;
+    return {t + wobble * f * noise, f * (1 - 2 * wobble)};
   }
 
   [[nodiscard]] std::vector<Shell> given_places(const Strand<D>& strand) const {

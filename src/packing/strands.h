@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "voropack/spacing.h"
@@ -30,13 +29,12 @@ struct Strand {
 struct StrandEnd {
   std::uint32_t strand = 0;
   bool is_far = false;  ///< The end at `length`.
-  /// The smallest angle with another strand of the tie, radians, if that is large: then the strand goes its own way
-  /// sooner than the others.
-  std::optional<double> wide_angle = std::nullopt;
+  double angle = 0;     ///< The smallest with another strand of the tie, radians.
 };
 
 /// Strands that leave one point at small angles. Points at equal distances from it never encroach upon each other
-/// (docs/theory/sharp.md, T3), so the strands carry the same distances until they are far enough apart.
+/// (docs/theory/sharp.md, T3), so strands carry the same distances as long as they are near to others. Each one leaves
+/// where it is far enough from all others, or where it ends.
 struct Tie {
   std::vector<StrandEnd> ends;
   double angle = 0;  ///< Smallest angle between two of the strands, radians.

@@ -33,8 +33,12 @@ struct Star {
       tie.ends.push_back({static_cast<std::uint32_t>(i), false});
     }
     tie.angle = sharp::radians(180);
-    for (std::size_t i = 0; i + 1 < angles_deg.size(); ++i)
-      tie.angle = std::min(tie.angle, sharp::radians(angles_deg[i + 1] - angles_deg[i]));
+    for (StrandEnd& e : tie.ends) {
+      e.angle = sharp::radians(180);
+      for (std::size_t i = 0; i < angles_deg.size(); ++i)
+        if (i != e.strand) e.angle = std::min(e.angle, sharp::radians(std::abs(angles_deg[i] - angles_deg[e.strand])));
+      tie.angle = std::min(tie.angle, e.angle);
+    }
   }
 };
 
@@ -74,18 +78,18 @@ TEST(Strands, TiedOnesCarryCommonDistancesUntilTheyAreApart) {
   for (const double degrees : {2.0, 5.0, 20.0, 50.0}) {
     const Star star({0, degrees, 2.5 * degrees}, {0.4, 0.37, 0.31});
     const auto packed = pack_strands<2>(star.strands, {star.tie}, spacing, 0, 1);
-    const double tied = packed[0].tied_begin;
-    EXPECT_GT(tied, 0);
+    const std::array<double, 3> ends = {0.37, 0.37, 0.31};
     for (std::size_t i = 0; i < 3; ++i) {
       expect_room(star.strands[i], packed[i], spacing);
-      EXPECT_EQ(packed[i].tied_begin, tied);
-      for (std::size_t k = 0; packed[0].position[k] < tied; ++k)
-        EXPECT_EQ(packed[i].position[k], packed[0].position[k]) << degrees;
+      const double tied = packed[i].tied_begin;
+      EXPECT_GT(tied, 0);
+      for (std::size_t k = 0; packed[i].position[k] < tied; ++k)
+        EXPECT_EQ(packed[i].position[k], packed[1].position[k]) << degrees;
+      // No longer than needed: where they go their own ways, or the shorter one ends.
+      const double apart = 1.5 * f / std::sin(star.tie.ends[i].angle);
+      EXPECT_LT(tied, std::min(ends[i], apart) + 3 * f) << degrees;
+      EXPECT_GT(tied, std::min(ends[i] - 4 * f, apart - f)) << degrees;
     }
-    // No longer than needed: where they go their own ways, or the shortest one ends.
-    const double apart = 1.5 * f / std::sin(sharp::radians(degrees));
-    EXPECT_LT(tied, std::min(0.31, apart) + 3 * f) << degrees;
-    EXPECT_GT(tied, std::min(0.31 - 4 * f, apart - f)) << degrees;
   }
 }
 
@@ -123,8 +127,8 @@ TEST(Strands, TiedAtBothEnds) {
   const Spacing<2> spacing = constant_spacing(domain, 0.004);
   Star star({0, 4, 8}, {0.4, 0.4, 0.4});
   Tie far = star.tie;
-  far.ends = {{0, true}, {1, true}};
-  star.tie.ends = {{1, false}, {2, false}};
+  far.ends = {{0, true, star.tie.angle}, {1, true, star.tie.angle}};
+  star.tie.ends = {{1, false, star.tie.angle}, {2, false, star.tie.angle}};
   const auto packed = pack_strands<2>(star.strands, {star.tie, far}, spacing, 0, 1);
   for (std::size_t i = 0; i < 3; ++i) expect_room(star.strands[i], packed[i], spacing);
   EXPECT_EQ(packed[0].tied_begin, 0);
@@ -141,9 +145,9 @@ TEST(Strands, ATieTakesWhatTheOtherDoesNotWant) {
   const Spacing<2> spacing = constant_spacing(domain, 0.004);
   Star star({0, 0.1, 0.2}, {0.4, 0.4, 0.4});
   Tie far;
-  far.ends = {{0, true}, {1, true}};
   far.angle = sharp::radians(50);
-  star.tie.ends = {{1, false}, {2, false}};
+  far.ends = {{0, true, far.angle}, {1, true, far.angle}};
+  star.tie.ends = {{1, false, star.tie.angle}, {2, false, star.tie.angle}};
   const auto packed = pack_strands<2>(star.strands, {star.tie, far}, spacing, 0, 1);
   for (std::size_t i = 0; i < 3; ++i) expect_room(star.strands[i], packed[i], spacing);
   EXPECT_GT(packed[1].tied_begin, 0.9 * 0.4);
@@ -164,7 +168,6 @@ TEST(Strands, AWideOneLeavesSooner) {
   const Domain<2> domain = build_domain(domains::unit_square());
   const Spacing<2> spacing = constant_spacing(domain, 0.01);
   Star star({0, 5, 80}, {0.4, 0.4, 0.4});
-  star.tie.ends[2].wide_angle = sharp::radians(75);
   const auto packed = pack_strands<2>(star.strands, {star.tie}, spacing, 0, 1);
   ASSERT_FALSE(packed[2].position.empty());
   EXPECT_EQ(packed[2].position[0], packed[0].position[0]);
