@@ -417,6 +417,10 @@ class BoundaryPacker {
         packing().subfacets.push_back(subfacet);
         const Vec<3> c = triangle_circumcenter(corners[0], corners[1], corners[2]);
         result_.balls.push_back({c, distance(c, corners[0])});
+        if (is_finite(c)) continue;
+        // Flat after rounding: nothing can be told of its ball.
+        const double size = std::max(distance(corners[0], corners[1]), distance(corners[0], corners[2]));
+        result_.faults.push_back(repair_cap(corners[0], size, spacing_, PolytopeId(f), PolytopeId(f)));
       }
     }
   }

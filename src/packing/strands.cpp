@@ -22,8 +22,10 @@ constexpr double kShare = 0.45;
 constexpr double kLeftover = 2.5;
 /// Kept centers of different strands at distances that differ by less than this, relative to f, are the same shell.
 constexpr double kSameShell = 0.1;
+/// A step of a tie is at most so long, in f.
+constexpr double kNextShell = 5.5;
 /// What a strand wants that is apart from the others where they begin: not 0, which is no tie.
-constexpr double kAtOnce = std::numeric_limits<double>::min();
+constexpr double kAtOnce = 1e-300;
 /// Strands whose lengths differ by less than this part of them end at the same distance.
 constexpr double kSameLength = 1e-9;
 
@@ -117,19 +119,19 @@ class StrandPacker {
     return own <= share ? own : std::max(share, length - other);
   }
 
-  /// How far the strands of a tie carry common distances.
+  /// How far the strands of a tie carry common distances, by end of the tie.
   struct Reach {
-    std::vector<double> of;  ///< By end of the tie.
-    double end = 0;          ///< Of the tie: there are two strands up to here.
-
-    [[nodiscard]] bool holds(std::size_t m, double t) const { return t <= of[m]; }
+    std::vector<double> own;   ///< From here on the strand is apart from all others: the next shell is its last one.
+    std::vector<double> most;  ///< But none of its shells is beyond this.
+    std::vector<double> near;  ///< So far its f counts for the shells.
+    double end = 0;            ///< Of the tie: two strands go on up to here.
   };
 
   /// f as far as steps depend on it, at distance t on the tied strand where it is least.
   [[nodiscard]] double least(const Tie& tie, const Reach& reach, double t) const {
     double f = std::numeric_limits<double>::infinity();
     for (std::size_t m = 0; m < tie.ends.size(); ++m)
-      if (reach.holds(m, t)) f = std::min(f, half_step(tie.ends[m].strand, at(tie.ends[m], t)));
+      if (t <= reach.near[m]) f = std::min(f, half_step(tie.ends[m].strand, at(tie.ends[m], t)));
     return f;
   }
 
@@ -170,24 +172,28 @@ class StrandPacker {
 
   [[nodiscard]] Reach find_reach(const Tie& tie, const std::vector<std::array<double, 2>>& wanted) const {
     Reach reach;
+    std::vector<double> allowed;
     for (const StrandEnd& e : tie.ends) {
-      // One step more than needed, as the others go on at common distances; but none where all are apart from the
-      // start.
       const double own = wanted[e.strand][e.is_far ? 1 : 0], other = wanted[e.strand][e.is_far ? 0 : 1];
-      const double step = own > kAtOnce ? 2 * half_step(e.strand, at(e, own)) : 0;
-      const double left = std::min(length(e), own + step);
-      reach.of.push_back(other > 0 ? allowed_reach(length(e), left, other) : left);
+      const double next = own <= kAtOnce ? 0 : std::min(length(e), own + kNextShell * half_step(e.strand, at(e, own)));
+      reach.own.push_back(own);
+      reach.most.push_back(other > 0 ? allowed_reach(length(e), next, other) : next);
+      allowed.push_back(std::min(own, reach.most.back()));
     }
-    std::vector<double> sorted = reach.of;
-    std::ranges::sort(sorted, std::greater<>());
-    reach.end = sorted[1];
+    std::ranges::sort(allowed, std::greater<>());
+    reach.end = allowed[1];
     for (std::size_t m = 0; m < tie.ends.size(); ++m) {
       const StrandEnd& e = tie.ends[m];
-      reach.of[m] = std::min(reach.of[m], reach.end);
-      if (wanted[e.strand][e.is_far ? 0 : 1] == 0 && !ends_at(e, reach.end, wanted))
-        reach.of[m] = std::min(reach.of[m], length(e) - kLeftover * spacing_(at(e, reach.of[m])));
+      const bool is_last = wanted[e.strand][e.is_far ? 0 : 1] == 0 && !ends_at(e, reach.end, wanted);
+      if (is_last)
+        reach.most[m] =
+            std::min(reach.most[m], length(e) - kLeftover * spacing_(at(e, std::min(reach.most[m], reach.end))));
     }
-    reach.end = std::ranges::max(reach.of);
+    double longest = 0;
+    for (std::size_t m = 0; m < tie.ends.size(); ++m)
+      longest = std::max(longest, std::min(reach.own[m], reach.most[m]));
+    reach.end = std::min(reach.end, longest);
+    reach.near = reach.most;
     return reach;
   }
 
@@ -201,7 +207,7 @@ class StrandPacker {
     const double f = least(tie, reach, reach.end);
     double shortest = std::numeric_limits<double>::infinity(), nearest = reach.end;
     for (std::size_t m = 0; m < tie.ends.size(); ++m)
-      if (reach.holds(m, reach.end)) shortest = std::min(shortest, length(tie.ends[m]));
+      if (reach.most[m] >= reach.end) shortest = std::min(shortest, length(tie.ends[m]));
     for (const Break& b : breaks)
       if (b.position <= shortest - f && std::abs(b.position - reach.end) < 2 * f &&
           (nearest == reach.end || std::abs(b.position - reach.end) < std::abs(nearest - reach.end)))
@@ -248,20 +254,17 @@ class StrandPacker {
     const std::vector<Break> breaks = find_breaks(tie, reach);
     const bool any_ends =
         std::ranges::any_of(tie.ends, [&](const StrandEnd& e) { return ends_at(e, reach.end, wanted); });
-    if (const double end = reach.end; !any_ends) {
-      reach.end = fitted_end(tie, reach, breaks);
-      for (double& t : reach.of)
-        if (t == end) t = reach.end;
-    }
+    if (!any_ends) reach.end = fitted_end(tie, reach, breaks);
     const std::vector<Break> common = common_distances(tie, reach, breaks);
     for (std::size_t m = 0; m < tie.ends.size(); ++m) {
       const StrandEnd& e = tie.ends[m];
       const bool ends_here = ends_at(e, reach.end, wanted);
       if (ends_here) is_full_[e.strand] = 1;
-      const double beyond = next_kept(e, reach.of[m]);
+      const double beyond = next_kept(e, std::min(reach.most[m], reach.end));
       for (std::size_t k = 0; k < common.size(); ++k) {
         const double t = common[k].position;
-        if (!reach.holds(m, t) || (ends_here && k + 1 == common.size() && t == reach.end)) break;
+        const bool has_left = (k == 0 ? 0 : common[k - 1].position) >= reach.own[m];
+        if (has_left || t > reach.most[m] || (ends_here && t == reach.end)) break;
         const double f = least(tie, reach, t);
         const int kept = common[k].kept[m];
         if (kept >= 0) {

@@ -115,10 +115,11 @@ class BallSet {
  public:
   explicit BallSet(const Vec<K>& origin) : origin_(origin) {}
 
+  /// That of a flat simplex is not finite, and holds nothing.
   void add(const Ball<K>& ball) {
     const auto id = static_cast<std::uint32_t>(balls_.size());
     balls_.push_back(ball);
-    if (ball.radius <= 0) return;
+    if (!(ball.radius > 0 && std::isfinite(ball.radius) && is_finite(ball.center))) return;
     const int exponent = std::ilogb(ball.radius);
     auto it = levels_.find(exponent);
     if (it == levels_.end()) it = levels_.emplace(exponent, BlockGrid<K>(origin_, std::ldexp(2.0, exponent))).first;
