@@ -21,11 +21,11 @@ namespace voropack {
 template <int D>
 class CapTree {
  public:
-  /// Over `box`; nothing else may be asked for. `caps` must outlive the tree.
-  CapTree(const Box<D>& box, std::span<const SpacingCap<D>> caps, double slope)
-      : caps_(caps), slope_(slope), root_(box) {
-    root_.caps.resize(caps.size());
-    for (std::size_t i = 0; i < caps.size(); ++i) root_.caps[i] = static_cast<std::uint32_t>(i);
+  /// Over `box`; nothing else may be asked for.
+  CapTree(const Box<D>& box, std::span<const SpacingCap<D>> caps, double slope) : slope_(slope), root_(box) {
+    root_.caps.reserve(caps.size());
+    for (const SpacingCap<D>& cap : caps) root_.caps.push_back({cap.center, cap.radius, cap.value});
+    root_.is_fine = caps.size() <= kFew;
   }
 
   [[nodiscard]] const Box<D>& box() const { return root_.box; }
@@ -34,18 +34,29 @@ class CapTree {
   template <class BaseAt>
   [[nodiscard]] double minimum(const Vec<D>& x, double base, BaseAt&& base_at) const {
     const Cell* cell = &root_;
-    for (int depth = 0; cell->caps.size() > kFew && depth < kMostDepth; ++depth) {
+    for (int depth = 0; !cell->is_fine && depth < kMostDepth; ++depth) {
       const std::size_t k = child_of(*cell, x);
       const Cell* child = cell->children[k].load(std::memory_order_acquire);
       cell = child != nullptr ? child : add_child(*cell, k, base_at);
     }
-    for (const std::uint32_t i : cell->caps) base = std::min(base, value_at(i, x));
+    for (const Ball& cap : cell->caps) {
+      const double within = (cap.radius + (base - cap.value) / slope_) * (1 + kRounding);
+      if (cap.value < base && distance_sq(x, cap.center) <= within * within)
+        base = std::min(base, cap.value + slope_ * std::max(0.0, distance(x, cap.center) - cap.radius));
+    }
     return base;
   }
 
  private:
   static constexpr std::size_t kFew = 12;  ///< Caps that are looked at one after the other.
   static constexpr int kMostDepth = 20;
+  /// Where f cannot change by more than this part in a cell, the caps in it differ by less, and no split tells which
+  /// is least.
+  static constexpr double kFlat = 0.25;
+  struct Ball {
+    Vec<D> center;
+    double radius, value;
+  };
   struct Cell {
     explicit Cell(const Box<D>& the_box) : box(the_box) {}
     ~Cell() {
@@ -54,14 +65,10 @@ class CapTree {
     Cell(const Cell&) = delete;
     Cell& operator=(const Cell&) = delete;
     Box<D> box;
-    std::vector<std::uint32_t> caps;
+    std::vector<Ball> caps;
+    bool is_fine = false;  ///< To split it would leave few caps less to look at.
     mutable std::array<std::atomic<const Cell*>, 1U << static_cast<unsigned>(D)> children{};
   };
-
-  [[nodiscard]] double value_at(std::uint32_t i, const Vec<D>& x) const {
-    const SpacingCap<D>& cap = caps_[i];
-    return cap.value + slope_ * std::max(0.0, distance(x, cap.center) - cap.radius);
-  }
 
   static std::size_t child_of(const Cell& cell, const Vec<D>& x) {
     const Vec<D> middle = cell.box.center();
@@ -79,17 +86,21 @@ class CapTree {
       ((which >> k & 1U) != 0 ? child->box.lo : child->box.hi).coord[k] = middle.coord[k];
     const Vec<D> center = child->box.center();
     const double reach = 0.5 * child->box.diagonal();
-    // No cap matters that is nowhere in the child less than what another one, or the base, is everywhere in it.
+    // No cap matters that is nowhere in the child less than what another one, or the base, is everywhere in it. A cap
+    // is at most `most` as far as radius + (most - value) / slope from its center; few need the root of the distance.
     double most = base_at(center) + slope_ * reach;
-    for (const std::uint32_t i : cell.caps) {
-      const double away = distance(center, caps_[i].center) + reach - caps_[i].radius;
-      most = std::min(most, caps_[i].value + slope_ * std::max(0.0, away));
+    for (const Ball& cap : cell.caps) {
+      const double within = cap.radius - reach + (most - cap.value) / slope_;
+      if (!(within > 0 && distance_sq(center, cap.center) < within * within)) continue;
+      const double away = distance(center, cap.center) + reach - cap.radius;
+      most = std::min(most, cap.value + slope_ * std::max(0.0, away));
     }
     most *= 1 + kRounding;
-    for (const std::uint32_t i : cell.caps) {
-      const double away = std::sqrt(child->box.distance_sq(caps_[i].center)) - caps_[i].radius;
-      if (caps_[i].value + slope_ * std::max(0.0, away) <= most) child->caps.push_back(i);
+    for (const Ball& cap : cell.caps) {
+      const double within = (cap.radius + (most - cap.value) / slope_) * (1 + kRounding);
+      if (cap.value <= most && child->box.distance_sq(cap.center) <= within * within) child->caps.push_back(cap);
     }
+    child->is_fine = child->caps.size() <= kFew || 2 * slope_ * reach <= kFlat * most;
     const Cell* expected = nullptr;
     if (cell.children[which].compare_exchange_strong(expected, child.get(), std::memory_order_acq_rel))
       return child.release();
@@ -98,7 +109,6 @@ class CapTree {
 
   static constexpr double kRounding = 1e-12;
 
-  std::span<const SpacingCap<D>> caps_;
   double slope_;
   Cell root_;
 };
