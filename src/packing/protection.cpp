@@ -104,14 +104,16 @@ auto Protection<D>::shorten_arc(const Intrusion<D>& it) -> Cap {
   const double half = radius * std::sqrt(std::max(0.0, 1 - cosine * cosine));
   const Vec<D> middle = apex + (radius / it.ball.radius) * (it.ball.center - apex);
   const double factor = std::clamp(0.9 * height(it) / half, kMostShrink, kLeastShrink);
-  return SpacingCap<D>{middle, half, factor * half, std::array{it.carrier, it.ball_carrier}};
+  return SpacingCap<D>{middle, factor * half, factor * half, std::array{it.carrier, it.ball_carrier}};
 }
 
+// f has to be small where the ball that comes in the place of this one will be, and no farther: what is small around
+// large balls asks for many spheres, and for free ones that are near to each other beside a corner's wide fans.
 template <int D>
 auto Protection<D>::shrink(const Intrusion<D>& it, double wanted, const Spacing<D>& spacing) -> Cap {
   if (it.ball_corner) return shorten_arc(it);
   const double factor = std::clamp(0.9 * wanted / it.ball.radius, kMostShrink, kLeastShrink);
-  return SpacingCap<D>{it.ball.center, it.ball.radius, factor * spacing(it.ball.center),
+  return SpacingCap<D>{it.ball.center, factor * it.ball.radius, factor * spacing(it.ball.center),
                        std::array{it.carrier, it.ball_carrier}};
 }
 
