@@ -51,7 +51,7 @@ WallLocator<3> locator_of(const Domain<3>& domain) {
 template <int D>
 PackingProblem<D> interior_problem(const Domain<D>& domain, const Spacing<D>& spacing,
                                    const BoundaryPacking<D>& boundary, const WallLocator<D>& walls,
-                                   const PackingOptions& options) {
+                                   const PackingOptions& options, int attempt) {
   const Packing<D>& packing = boundary.packing;
   PackingProblem<D> problem;
   problem.bounds = domain.box;
@@ -64,7 +64,7 @@ PackingProblem<D> interior_problem(const Domain<D>& domain, const Spacing<D>& sp
   problem.form = options.form;
   problem.interior = options.interior;
   problem.epsilon = options.epsilon;
-  problem.seed = hash_words(options.seed, D);
+  problem.seed = attempt == 0 ? hash_words(options.seed, D) : hash_words(options.seed, D, attempt);
   return problem;
 }
 
@@ -195,7 +195,8 @@ class AdaptivePacker {
     if (!best_) budget_.check_again(tied, n_boundary_);
     if (!add_kept_interior(boundary, tied)) return false;
     n_fixed_ = boundary.packing.center.size();
-    const PackingProblem<D> problem = interior_problem(protection_.domain(), tied, boundary, walls_, options_);
+    const PackingProblem<D> problem =
+        interior_problem(protection_.domain(), tied, boundary, walls_, options_, stretched_rounds_);
     PackedInterior<D> interior = pack_interior(problem, false, observer_);
     if (!interior.broken_faces.empty()) {
       const std::size_t first = boundary.balls.size() - problem.faces.size();
@@ -221,8 +222,10 @@ class AdaptivePacker {
     if (n_stretched == 0 || n_stretched > many || n_stretched > too_many ||
         n_simplices > kMostGrowth * best_->n_simplices || ++stretched_rounds_ > kStretchedRounds)
       return true;
-    std::erase_if(boundary.faults,
-                  [&](const SpacingCap<D>& cap) { return protection_.narrow_corners(cap.center, cap.radius, f); });
+    // Free spheres behind a corner are near to each other at any f: then others are tried, from another seed.
+    std::erase_if(boundary.faults, [&](const SpacingCap<D>& cap) {
+      return protection_.narrow_corners(cap.center, cap.radius, f) || protection_.is_at_corner(cap.center, cap.radius);
+    });
     return false;
   }
 

@@ -89,6 +89,13 @@ class Protection {
   /// Narrows the spheres of corners that a ball reaches and that are wide for the f there, each once: if f follows, the
   /// angles ask for that ratio at any radius. False if there are none.
   bool narrow_corners(const Vec<D>& center, double radius, const Spacing<D>& spacing);
+  /// True if the sphere goes through a corner, up to rounding.
+  [[nodiscard]] bool is_at_corner(const Vec<D>& center, double radius) const {
+    constexpr double kOnSphere = 1e-6;
+    return std::ranges::any_of(corners, [&](const auto& corner) {
+      return std::abs(distance(domain_.points[corner.first], center) - radius) < kOnSphere * radius;
+    });
+  }
   /// Adds the traces that intrusions of the last round asked for.
   void add_traces(const Spacing<D>& spacing);
   /// Answers to an intrusion: with a new fan, book, trace or corner, else with a cap on f, which is returned.

@@ -24,8 +24,6 @@ constexpr double kLeftover = 2.5;
 constexpr double kSameShell = 0.1;
 /// A step of a tie is at most so long, in f.
 constexpr double kNextShell = 5.5;
-/// What a strand wants that is apart from the others where they begin: not 0, which is no tie.
-constexpr double kAtOnce = 1e-300;
 /// Strands whose lengths differ by less than this part of them end at the same distance.
 constexpr double kSameLength = 1e-9;
 
@@ -41,11 +39,10 @@ class StrandPacker {
         is_full_(strands.size()) {}
 
   void tie(const std::vector<Tie>& ties) {
-    std::vector<std::array<double, 2>> wanted(strands_.size());  // 0: not tied at that end.
+    std::vector<std::array<double, 2>> wanted(strands_.size());  // 0: nothing ties it there.
     for (const Tie& t : ties) {
       const std::vector<double> reach = wanted_reach(t);
-      for (std::size_t m = 0; m < reach.size(); ++m)
-        wanted[t.ends[m].strand][t.ends[m].is_far ? 1 : 0] = std::max(reach[m], kAtOnce);
+      for (std::size_t m = 0; m < reach.size(); ++m) wanted[t.ends[m].strand][t.ends[m].is_far ? 1 : 0] = reach[m];
     }
     for (const Tie& t : ties) add_shells(t, wanted);
   }
@@ -57,9 +54,11 @@ class StrandPacker {
     if (is_free && strand.positions) return packed(index, given_places(strand), {});
     // Where two ties leave no room between them, the longer one gives way.
     const auto last = [](const std::vector<Shell>& s) { return s.empty() ? Shell{0, 0} : s.back(); };
+    const std::array<double, 2> at_end = {spacing_(strand.at(0)), spacing_(strand.at(strand.length))};
     while (!shells[0].empty() || !shells[1].empty()) {
       const double room = strand.length - last(shells[0]).position - last(shells[1]).position;
-      const double needed = last(shells[0]).radius + last(shells[1]).radius;
+      double needed = 0;
+      for (std::size_t i = 0; i < 2; ++i) needed += shells[i].empty() ? at_end[i] : shells[i].back().radius;
       if (room >= needed || is_full_[index] != 0) break;
       shells[last(shells[0]).position >= last(shells[1]).position ? 0 : 1].pop_back();
     }
@@ -122,8 +121,7 @@ class StrandPacker {
   /// How far the strands of a tie carry common distances, by end of the tie.
   struct Reach {
     std::vector<double> own;   ///< From here on the strand is apart from all others: the next shell is its last one.
-    std::vector<double> most;  ///< But none of its shells is beyond this.
-    std::vector<double> near;  ///< So far its f counts for the shells.
+    std::vector<double> most;  ///< But none of its shells is beyond this; so far its f counts for the shells.
     double end = 0;            ///< Of the tie: two strands go on up to here.
   };
 
@@ -131,7 +129,7 @@ class StrandPacker {
   [[nodiscard]] double least(const Tie& tie, const Reach& reach, double t) const {
     double f = std::numeric_limits<double>::infinity();
     for (std::size_t m = 0; m < tie.ends.size(); ++m)
-      if (t <= reach.near[m]) f = std::min(f, half_step(tie.ends[m].strand, at(tie.ends[m], t)));
+      if (t <= reach.most[m]) f = std::min(f, half_step(tie.ends[m].strand, at(tie.ends[m], t)));
     return f;
   }
 
@@ -175,7 +173,7 @@ class StrandPacker {
     std::vector<double> allowed;
     for (const StrandEnd& e : tie.ends) {
       const double own = wanted[e.strand][e.is_far ? 1 : 0], other = wanted[e.strand][e.is_far ? 0 : 1];
-      const double next = own <= kAtOnce ? 0 : std::min(length(e), own + kNextShell * half_step(e.strand, at(e, own)));
+      const double next = own == 0 ? 0 : std::min(length(e), own + kNextShell * half_step(e.strand, at(e, own)));
       reach.own.push_back(own);
       reach.most.push_back(other > 0 ? allowed_reach(length(e), next, other) : next);
       allowed.push_back(std::min(own, reach.most.back()));
@@ -193,7 +191,6 @@ class StrandPacker {
     for (std::size_t m = 0; m < tie.ends.size(); ++m)
       longest = std::max(longest, std::min(reach.own[m], reach.most[m]));
     reach.end = std::min(reach.end, longest);
-    reach.near = reach.most;
     return reach;
   }
 
