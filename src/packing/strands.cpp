@@ -196,7 +196,7 @@ class StrandPacker {
 
   /// True if the strand is tied to others all along, up to `end`, where it ends.
   [[nodiscard]] bool ends_at(const StrandEnd& e, double end, const std::vector<std::array<double, 2>>& wanted) const {
-    return is_near_throughout(e, wanted) && length(e) - end <= kSameLength * length(e);
+    return is_near_throughout(e, wanted) && std::abs(length(e) - end) <= kSameLength * length(e);
   }
 
   /// Where a tie ends that should end at `end`: at kept centers that are too near for that.

@@ -121,6 +121,23 @@ TEST(Strands, TiedOnesDoNotEncroach) {
     }
 }
 
+/// Those that are near to each other throughout, and end one after the other: each of them leaves room before its end,
+/// and the others go on.
+TEST(Strands, AShortOneEndsAmongOthers) {
+  const Domain<2> domain = build_domain(domains::unit_square());
+  const double f = 0.004;
+  const Spacing<2> spacing = constant_spacing(domain, f);
+  for (const double shortest : {0.05, 0.0513, 0.0527, 0.06}) {
+    const Star star({0, 0.1, 0.2, 0.3}, {0.4, shortest, 0.21, 0.4});
+    const auto packed = pack_strands<2>(star.strands, {star.tie}, spacing, 0, 1);
+    for (std::size_t i = 0; i < 4; ++i) {
+      expect_room(star.strands[i], packed[i], spacing);
+      EXPECT_GT(packed[i].tied_begin, star.strands[i].length - 5 * f);
+      EXPECT_LE(packed[i].tied_begin, star.strands[i].length);
+    }
+  }
+}
+
 /// Two strands that are tied at both of their ends share their length between the ties.
 TEST(Strands, TiedAtBothEnds) {
   const Domain<2> domain = build_domain(domains::unit_square());
