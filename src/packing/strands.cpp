@@ -40,11 +40,17 @@ class StrandPacker {
 
   void tie(const std::vector<Tie>& ties) {
     std::vector<std::array<double, 2>> wanted(strands_.size());  // 0: nothing ties it there.
-    for (const Tie& t : ties) {
-      const std::vector<double> reach = wanted_reach(t);
-      for (std::size_t m = 0; m < reach.size(); ++m) wanted[t.ends[m].strand][t.ends[m].is_far ? 1 : 0] = reach[m];
-    }
-    for (const Tie& t : ties) add_shells(t, wanted);
+    // An end of a strand is in one tie at most.
+    parallel_for(
+        ties.size(),
+        [&](std::size_t i) {
+          const std::vector<double> reach = wanted_reach(ties[i]);
+          for (std::size_t m = 0; m < reach.size(); ++m)
+            wanted[ties[i].ends[m].strand][ties[i].ends[m].is_far ? 1 : 0] = reach[m];
+        },
+        1);
+    parallel_for(
+        ties.size(), [&](std::size_t i) { add_shells(ties[i], wanted); }, 1);
   }
 
   [[nodiscard]] PackedStrand pack(std::uint32_t index) const {
@@ -91,23 +97,32 @@ class StrandPacker {
 
   [[nodiscard]] double length(const StrandEnd& e) const { return strands_[e.strand].length; }
 
-  /// How far each strand is nearer to others of the tie than it may be alone: at most its length.
+  /// How far each strand is nearer to others of the tie than it may be alone: at most its length. There is room for a
+  /// shell, or the strand is apart from the start.
   [[nodiscard]] std::vector<double> wanted_reach(const Tie& tie) const {
+    constexpr double kLeastStep = 0.25, kFirstShell = 2.7;  // In f.
+    double first = std::numeric_limits<double>::infinity();
+    for (const StrandEnd& e : tie.ends) first = std::min(first, half_step(e.strand, at(e, 0)));
     std::vector<double> reach(tie.ends.size(), -1);
     for (double t = 0; std::ranges::count(reach, -1.0) > 0;) {
-      double largest = 0, least = std::numeric_limits<double>::infinity();
+      double largest = 0, least = std::numeric_limits<double>::infinity(), step = least;
       for (std::size_t m = 0; m < reach.size(); ++m) {
         const StrandEnd& e = tie.ends[m];
         if (reach[m] < 0 && t >= length(e)) reach[m] = length(e);
         if (reach[m] >= 0) continue;
-        largest = std::max(largest, spacing_(at(e, t)));
-        least = std::min(least, half_step(e.strand, at(e, t)));
+        const double f = spacing_(at(e, t));
+        largest = std::max(largest, f);
+        least = std::min(least, std::max(f, 0.5 * strands_[e.strand].least_step));
       }
       for (std::size_t m = 0; m < reach.size(); ++m) {
+        if (reach[m] >= 0) continue;
         const double slope = std::sin(std::min(tie.ends[m].angle, std::numbers::pi / 2));
-        if (reach[m] < 0 && (tie.start + t) * slope >= kTieApart * largest) reach[m] = t;
+        // f grows by its Lipschitz constant at most: so long it is not apart.
+        const double missing = kTieApart * largest - (tie.start + t) * slope;
+        if (missing <= 0) reach[m] = t == 0 ? 0 : std::min(length(tie.ends[m]), std::max(t, kFirstShell * first));
+        step = std::min({step, missing / (slope + kTieApart * spacing_.lipschitz()), length(tie.ends[m]) - t});
       }
-      t += 0.25 * least;
+      t += std::max(step, kLeastStep * least);
     }
     return reach;
   }
