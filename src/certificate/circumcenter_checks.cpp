@@ -26,7 +26,7 @@ constexpr double kPracticalRadiusEdge = 4;
 constexpr double kVoronoiRadiusEdge = 2.5;
 
 /// Sharp simplices may have a ratio of this over the sine of half the angle: a triangle or tetrahedron between two
-/// polytopes at that angle has its short edges across. Up to 4.7 has been seen.
+/// polytopes at that angle has its short edges across. Up to 7.6 has been seen.
 constexpr double kSharpRadiusEdge = 8;
 
 enum MaximalFault : int { kInsertable = 1 };

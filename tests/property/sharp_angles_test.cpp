@@ -124,7 +124,14 @@ TEST(SharpAngles3, HeapsOfTetrahedra) {
   for (const std::uint64_t seed : {0, 1, 8}) expect_certified(sharp::heap<3>(6, 0.4, seed));
   for (const std::uint64_t seed : {2, 3, 6, 7}) expect_certified(sharp::heap<3>(5, 0.4, seed));
   // The rest of the 200 is in bench/micro/heaps.
-  for (const std::uint64_t seed : {0, 1, 2, 4, 22}) expect_certified(sharp::tetrahedra(2 + seed % 4, 3, seed));
+  for (const std::uint64_t seed : {0, 1, 2, 4, 22, 113}) expect_certified(sharp::tetrahedra(2 + seed % 4, 3, seed));
+}
+
+/// Pages take no steps as small as those of segments that are far from them in angle: R / l where both meet would be
+/// their product.
+TEST(SharpAngles3, SmallAnglesInOneCornerDoNotMultiply) {
+  expect_certified(sharp::heap<3>(12, 0.4, 7));
+  expect_certified(sharp::heap<3>(7, 0.4, 34));
 }
 
 TEST(SharpAngles2, FansOfManyAngles) {
