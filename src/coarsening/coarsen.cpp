@@ -131,7 +131,7 @@ class Coarsener {
         for (double& value : f) value = std::max(value, std::pow(options_.growth, i) * least);
       } else {
         for (double& value : f) value *= options_.growth;
-        make_lipschitz(fine().mesh, fine().neighbors, options_.lipschitz, f);
+        make_lipschitz(fine().edges, options_.lipschitz, f);
       }
       fields.push_back(f);
     }
@@ -189,7 +189,7 @@ class Coarsener {
       find_limit();
       Field f = fine().initial;
       for (double& value : f) value *= growth;
-      make_lipschitz(fine().mesh, fine().neighbors, options_.lipschitz, f);
+      make_lipschitz(fine().edges, options_.lipschitz, f);
       PackedLevel<D> level = pack_one(f);
       level.growth = growth;
       return level;

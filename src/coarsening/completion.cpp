@@ -8,6 +8,7 @@
 #include "geom/box_tree.h"
 #include "geom/circumcenter.h"
 #include "geom/kernel.h"
+#include "mesh/parallel_rows.h"
 #include "packing/stretched.h"
 #include "spheres/packing_problem.h"
 #include "spheres/region_labels.h"
@@ -44,7 +45,7 @@ class Completer {
     std::vector<SpacingCap<D>> gaps;
     for (int round = 0;; ++round) {
       observer_.check_cancelled();
-      make_radii_lipschitz();
+      build_tree();
       labels_ = label_regions<D>(kernel_, faces);
       raise_radii();
       find_slope();
@@ -63,21 +64,20 @@ class Completer {
     std::vector<SpacingCap<D>> gaps;  ///< Balls of the simplices that want one.
   };
 
-  /// With the radii as values.
-  [[nodiscard]] BoxTree<D> tree_of_centers() const {
+  void build_tree() {
     std::vector<Box<D>> boxes;
     boxes.reserve(packing_.center.size());
     for (const Vec<D>& x : packing_.center) boxes.emplace_back(x, x);
-    return BoxTree<D>(boxes, packing_.radius.raw());
+    tree_ = BoxTree<D>(boxes);
   }
 
   void make_radii_lipschitz() {
     const std::vector<double>& before = packing_.radius.raw();
-    const BoxTree<D> tree = tree_of_centers();
+    tree_.set_values(before);
     std::vector<double> after(before.size());
     parallel_for(after.size(), [&](std::size_t s) {
       const Vec<D>& x = packing_.center[SphereId(s)];
-      after[s] = tree.minimize(x, lipschitz_, before[s], [&](std::uint32_t t) {
+      after[s] = tree_.minimize(x, lipschitz_, before[s], [&](std::uint32_t t) {
         return before[t] + lipschitz_ * distance(x, packing_.center[SphereId(t)]);
       });
     });
@@ -88,40 +88,64 @@ class Completer {
   /// one after the other, as far as they stay Lipschitz.
   void raise_radii() {
     constexpr int kPasses = 2;
-    std::vector<std::array<std::uint32_t, 2>> edges;
-    for (std::uint32_t slot = 0; slot < kernel_.n_slots(); ++slot) {
-      if (!kernel_.is_finite(slot)) continue;
-      const auto corners = kernel_.corners(slot);
-      for (std::size_t i = 0; i <= D; ++i)
-        for (std::size_t j = 0; j <= D; ++j)
-          if (i != j) edges.push_back({corners[i], corners[j]});
-    }
-    parallel_sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    const BoxTree<D> tree = tree_of_centers();
+    const Csr<SphereId, SphereId> near = spheres_in_the_way();
     for (int pass = 0; pass < kPasses; ++pass)
-      for (std::size_t e = 0; e < edges.size();) {
-        const SphereId s(edges[e][0]);
+      for (const SphereId s : ids(packing_.radius)) {
         double most = std::numeric_limits<double>::infinity();
-        for (; e < edges.size() && edges[e][0] == s.value(); ++e)
-          most = std::min(most, room_beside(s, SphereId(edges[e][1])));
-        if (most <= packing_.radius[s]) continue;
-        // What is not adjacent may be nearer than the sum of two radii, too. All radii near are below `largest`.
-        const double largest = most * (1 + lipschitz_) / (1 - lipschitz_), reach = most + 2 * largest;
-        tree.for_each([&](const Box<D>& box) { return box.distance_sq(packing_.center[s]) <= reach * reach; },
-                      [&](std::uint32_t t) {
-                        if (t != s.value()) most = std::min(most, room_beside(s, SphereId(t)));
-                      });
-        packing_.radius[s] = std::max(packing_.radius[s], most);
+        for (const SphereId t : near[s]) most = std::min(most, room_beside(s, t));
+        if (!near[s].empty()) packing_.radius[s] = std::max(packing_.radius[s], most);
       }
     make_radii_lipschitz();
+  }
+
+  /// For each sphere that can rise: the adjacent ones, and others that it might get to overlap while radii rise.
+  [[nodiscard]] Csr<SphereId, SphereId> spheres_in_the_way() {
+    const std::size_t n = packing_.center.size();
+    const Csr<SphereId, SphereId> adjacent = adjacent_values<SphereId>(
+        n, kernel_.n_slots(), [&](std::size_t slot) { return kernel_.corners(static_cast<std::uint32_t>(slot)); },
+        [&](std::size_t slot) { return kernel_.is_finite(static_cast<std::uint32_t>(slot)); });
+    // However much room slopes may come to allow, adjacent spheres do not overlap. What has sharp neighbors only stays
+    // as it is. Negative: so a node's least value is the most of all below.
+    std::vector<double> minus_most(n);
+    parallel_for(n, [&](std::size_t i) {
+      const SphereId s(i);
+      double most = std::numeric_limits<double>::infinity();
+      for (const SphereId t : adjacent[s])
+        if (!are_sharp(s, t))
+          most = std::min(most, distance(packing_.center[s], packing_.center[t]) - packing_.radius[t]);
+      minus_most[i] = -(std::isfinite(most) ? std::max(most, packing_.radius[s]) : packing_.radius[s]);
+    });
+    tree_.set_values(minus_most);
+    return build_rows<SphereId, SphereId>(n, [&](SphereId s, std::vector<SphereId>& row) {
+      const double mine = -minus_most[s.value()];
+      if (mine <= packing_.radius[s]) return;
+      const Vec<D>& x = packing_.center[s];
+      const auto beside = adjacent[s];
+      row.insert(row.end(), beside.begin(), beside.end());
+      tree_.for_each_below(
+          [&](const auto& node) {
+            const double sum = mine - node.value;
+            return node.box.distance_sq(x) < sum * sum;
+          },
+          [&](std::uint32_t t) {
+            const double sum = mine - minus_most[t];
+            if (t != s.value() && distance_sq(x, packing_.center[SphereId(t)]) < sum * sum &&
+                !std::binary_search(beside.begin(), beside.end(), SphereId(t)))
+              row.push_back(SphereId(t));
+          });
+    });
+  }
+
+  [[nodiscard]] bool are_sharp(SphereId s, SphereId t) const {
+    return packing_.carrier[s].dimension < D && packing_.carrier[t].dimension < D &&
+           fine_.incidence.form_sharp_feature(packing_.carrier[s], packing_.carrier[t]);
   }
 
   /// How large the radius at s may be for the sake of t.
   [[nodiscard]] double room_beside(SphereId s, SphereId t) const {
     const double gap = distance(packing_.center[s], packing_.center[t]);
     const double slope_allows = packing_.radius[t] + lipschitz_ * gap;
-    if (fine_.incidence.form_sharp_feature(packing_.carrier[s], packing_.carrier[t])) return slope_allows;
+    if (are_sharp(s, t)) return slope_allows;
     return std::min(slope_allows, gap - packing_.radius[t]);
   }
 
@@ -201,7 +225,7 @@ class Completer {
     if (is_usable(v)) return v;
     VertexId best = VertexId::none();
     double least = std::numeric_limits<double>::infinity();
-    for (const VertexId w : fine_.neighbors[v])
+    for (const VertexId w : fine_.edges.neighbors[v])
       if (const double d = distance_sq(fine_.mesh.points[w], x); d < least && is_usable(w)) least = d, best = w;
     return best;
   }
@@ -210,7 +234,7 @@ class Completer {
   [[nodiscard]] VertexId nearest_vertex(VertexId v, const Vec<D>& x) const {
     for (double least = distance_sq(fine_.mesh.points[v], x);;) {
       VertexId best = v;
-      for (const VertexId w : fine_.neighbors[v])
+      for (const VertexId w : fine_.edges.neighbors[v])
         if (const double d = distance_sq(fine_.mesh.points[w], x); d < least) least = d, best = w;
       if (best == v) return v;
       v = best;
@@ -219,8 +243,8 @@ class Completer {
 
   /// Adds vertices, but none beside another new one. False if there is none.
   bool insert(const std::vector<VertexId>& wanted) {
-    const BoxTree<D> tree = tree_of_centers();
     const std::size_t n_before = packing_.center.size();
+    tree_.set_values(std::vector<double>(n_before, 0.0));
     std::vector<Vec<D>> points;
     std::vector<std::uint32_t> hints;
     std::vector<std::uint8_t> is_taken(n_before, 0);
@@ -231,7 +255,7 @@ class Completer {
       const auto distance_to = [&](std::uint32_t s) { return distance(x, packing_.center[SphereId(s)]); };
       std::uint32_t nearest = 0;
       double gap = std::numeric_limits<double>::infinity();
-      tree.minimize(x, 1, gap, [&](std::uint32_t s) {
+      tree_.minimize(x, 1, gap, [&](std::uint32_t s) {
         const double d = distance_to(s);
         if (d < gap) gap = d, nearest = s;
         return d;
@@ -240,10 +264,10 @@ class Completer {
       const double near = packing_.radius[SphereId(nearest)] + gap;
       const double reach = (0.5 * gap + near + lipschitz_ * gap) / (1 - lipschitz_);
       std::vector<std::uint32_t> touched;
-      tree.for_each([&](const Box<D>& box) { return box.distance_sq(x) <= reach * reach; },
-                    [&](std::uint32_t s) {
-                      if (distance_to(s) < reach) touched.push_back(s);
-                    });
+      tree_.for_each([&](const Box<D>& box) { return box.distance_sq(x) <= reach * reach; },
+                     [&](std::uint32_t s) {
+                       if (distance_to(s) < reach) touched.push_back(s);
+                     });
       if (std::ranges::any_of(touched, [&](std::uint32_t s) { return is_taken[s] != 0; })) continue;
       if (added.conflicts(x, 0.5 * gap)) continue;
       added.add({x, 0.5 * gap});
@@ -272,6 +296,7 @@ class Completer {
   const Observer& observer_;
   BallSet<D> balls_;
   DelaunayKernel<D> kernel_;
+  BoxTree<D> tree_;  ///< Of the centers.
   RegionLabels<D> labels_;
   double slope_ = 0;                   ///< Largest measured one of the radii.
   std::vector<std::uint8_t> is_used_;  ///< By vertex of the finest mesh.

@@ -8,74 +8,8 @@
 #include "base/random.h"
 #include "coarsening/initial_spacing.h"
 #include "geom/hilbert.h"
-#include "mesh/incidence.h"
 
 namespace voropack {
-
-template <int D>
-Csr<VertexId, VertexId> vertex_neighbors(const Mesh<D>& mesh) {
-  const std::size_t n = mesh.points.size();
-  const Csr<VertexId, SimplexId> around = invert_incidence(mesh.simplex_vertices, n);
-  constexpr std::size_t kBlock = 4096;
-  struct Part {
-    std::vector<VertexId> values;
-    std::vector<std::uint32_t> counts;
-  };
-  std::vector<Part> parts((n + kBlock - 1) / kBlock);
-  parallel_for(
-      parts.size(),
-      [&](std::size_t block) {
-        std::vector<VertexId> found;
-        for (std::size_t v = block * kBlock; v < std::min(n, (block + 1) * kBlock); ++v) {
-          found.clear();
-          for (const SimplexId s : around[VertexId(v)])
-            for (const VertexId w : mesh.simplex_vertices[s])
-              if (w.value() != v) found.push_back(w);
-          std::sort(found.begin(), found.end());
-          found.erase(std::unique(found.begin(), found.end()), found.end());
-          parts[block].values.insert(parts[block].values.end(), found.begin(), found.end());
-          parts[block].counts.push_back(static_cast<std::uint32_t>(found.size()));
-        }
-      },
-      1);
-  Csr<VertexId, VertexId> result;
-  result.offsets.assign(1, 0);
-  result.offsets.reserve(n + 1);
-  for (const Part& part : parts) {
-    for (const std::uint32_t count : part.counts) result.offsets.push_back(result.offsets.back() + count);
-    result.values.insert(result.values.end(), part.values.begin(), part.values.end());
-  }
-  return result;
-}
-
-template <int D>
-void make_lipschitz(const Mesh<D>& mesh, const Csr<VertexId, VertexId>& neighbors, double lipschitz,
-                    IdVector<VertexId, double>& f) {
-  const std::size_t n = mesh.points.size();
-  // Whether a neighbor has become less since the vertex was looked at.
-  std::vector<std::uint8_t> is_stale(n, 1);
-  bool changed = true;
-  const auto visit = [&](VertexId v) {
-    if (is_stale[v.value()] == 0) return;
-    is_stale[v.value()] = 0;
-    double least = f[v];
-    for (const VertexId w : neighbors[v]) {
-      const double room = least - f[w];
-      if (room <= 0) continue;
-      const double rise_sq = lipschitz * lipschitz * distance_sq(mesh.points[v], mesh.points[w]);
-      if (rise_sq < room * room) least = f[w] + std::sqrt(rise_sq);
-    }
-    if (least >= f[v]) return;
-    f[v] = least;
-    changed = true;
-    for (const VertexId w : neighbors[v]) is_stale[w.value()] = 1;
-  };
-  while (changed) {
-    changed = false;
-    for (std::size_t v = 0; v < n; ++v) visit(VertexId(v));
-    for (std::size_t v = n; v-- > 0;) visit(VertexId(v));
-  }
-}
 
 template <int D>
 FineMesh<D>::FineMesh(const Mesh<D>& fine, MeshDomain<D> domain_and_carriers, const CoarseningOptions& options,
@@ -83,24 +17,25 @@ FineMesh<D>::FineMesh(const Mesh<D>& fine, MeshDomain<D> domain_and_carriers, co
     : mesh(fine),
       place(std::move(domain_and_carriers)),
       incidence(place.domain),
-      neighbors(vertex_neighbors(fine)),
+      edges(build_edge_graph(fine)),
       is_outside(std::move(outside)) {
   for (const VertexId v : ids(fine.points)) {
-    if (!neighbors[v].empty()) continue;
+    if (!edges.neighbors[v].empty()) continue;
     is_outside.resize(fine.points.size(), 0);
     is_outside[v.value()] = 1;
   }
-  VertexSpacing spacing = initial_spacing(fine, neighbors, options.initial);
+  VertexSpacing spacing = initial_spacing(fine, edges, options.initial);
   initial = std::move(spacing.initial);
   floor = std::move(spacing.nearest);
   sort_vertices(options);
 }
 
+constexpr std::uint32_t kNoKey = std::numeric_limits<std::uint32_t>::max();
+
 /// From the boundary inwards: by the number of edges to it.
 template <int D>
 std::vector<std::uint32_t> steps_from_boundary(const MeshDomain<D>& place, const Csr<VertexId, VertexId>& neighbors) {
-  constexpr std::uint32_t kFar = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> steps(place.carrier.size(), kFar);
+  std::vector<std::uint32_t> steps(place.carrier.size(), kNoKey);
   std::vector<VertexId> front, next;
   for (const VertexId v : ids(place.carrier))
     if (place.carrier[v].dimension < D) {
@@ -111,13 +46,24 @@ std::vector<std::uint32_t> steps_from_boundary(const MeshDomain<D>& place, const
     next.clear();
     for (const VertexId v : front)
       for (const VertexId w : neighbors[v])
-        if (steps[w.value()] == kFar) {
+        if (steps[w.value()] == kNoKey) {
           steps[w.value()] = step;
           next.push_back(w);
         }
     front.swap(next);
   }
   return steps;
+}
+
+/// Stable: a counting sort. Vertices without a key come last.
+std::vector<std::uint32_t> sorted_by(const std::vector<std::uint32_t>& keys, const std::vector<std::uint32_t>& order) {
+  const auto bucket = [&](std::uint32_t i) { return keys[i] == kNoKey ? keys.size() : keys[i]; };
+  std::vector<std::uint32_t> next(keys.size() + 2, 0);
+  for (std::uint32_t i = 0; i < keys.size(); ++i) ++next[bucket(i) + 1];
+  for (std::size_t k = 1; k < next.size(); ++k) next[k] += next[k - 1];
+  std::vector<std::uint32_t> result(order.size());
+  for (const std::uint32_t i : order) result[next[bucket(i)]++] = i;
+  return result;
 }
 
 template <int D>
@@ -131,11 +77,7 @@ void FineMesh<D>::sort_vertices(const CoarseningOptions& options) {
     for (const auto& [key, i] : keys) order.push_back(i);
   } else {
     order = hilbert_order<D>(mesh.points.raw());
-    if (options.order == CoarseningOrder::kFront) {
-      const std::vector<std::uint32_t> steps = steps_from_boundary(place, neighbors);
-      std::stable_sort(order.begin(), order.end(),
-                       [&](std::uint32_t a, std::uint32_t b) { return steps[a] < steps[b]; });
-    }
+    if (options.order == CoarseningOrder::kFront) order = sorted_by(steps_from_boundary(place, edges.neighbors), order);
   }
   point_vertices.resize(place.domain.points.size());
   std::vector<std::vector<VertexId>> in_facet(D == 3 ? place.domain.facet_frame.size() : 0);
@@ -151,9 +93,5 @@ void FineMesh<D>::sort_vertices(const CoarseningOptions& options) {
 
 template struct FineMesh<2>;
 template struct FineMesh<3>;
-template Csr<VertexId, VertexId> vertex_neighbors(const Mesh<2>&);
-template Csr<VertexId, VertexId> vertex_neighbors(const Mesh<3>&);
-template void make_lipschitz(const Mesh<2>&, const Csr<VertexId, VertexId>&, double, IdVector<VertexId, double>&);
-template void make_lipschitz(const Mesh<3>&, const Csr<VertexId, VertexId>&, double, IdVector<VertexId, double>&);
 
 }  // namespace voropack

@@ -3,15 +3,12 @@
 
 #include <vector>
 
+#include "mesh/edge_graph.h"
 #include "packing/incidence.h"
 #include "voropack/coarsening.h"
 #include "voropack/mesh_domain.h"
 
 namespace voropack {
-
-/// The vertices that share an edge with each vertex, ascending. O(n), in parallel.
-template <int D>
-Csr<VertexId, VertexId> vertex_neighbors(const Mesh<D>& mesh);
 
 template <int D>
 struct FineMesh {
@@ -22,8 +19,8 @@ struct FineMesh {
 
   const Mesh<D>& mesh;
   MeshDomain<D> place;
-  Incidence<D> incidence;                 ///< Of the domain.
-  Csr<VertexId, VertexId> neighbors;      ///< By edges.
+  Incidence<D> incidence;  ///< Of the domain.
+  EdgeGraph edges;
   IdVector<VertexId, double> initial;     ///< f_0.
   IdVector<VertexId, double> floor;       ///< Half the distance to the nearest neighbor: with it all vertices fit.
   std::vector<VertexId> point_vertices;   ///< By PointId.
@@ -38,11 +35,5 @@ struct FineMesh {
  private:
   void sort_vertices(const CoarseningOptions& options);
 };
-
-/// The largest function below f that grows by at most `lipschitz` along every edge. Sweeps along the vertices and back
-/// until nothing changes: some four in a mesh whose vertices are sorted along a curve.
-template <int D>
-void make_lipschitz(const Mesh<D>& mesh, const Csr<VertexId, VertexId>& neighbors, double lipschitz,
-                    IdVector<VertexId, double>& f);
 
 }  // namespace voropack

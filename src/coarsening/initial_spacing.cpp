@@ -40,20 +40,19 @@ void look_across_outside(const Mesh<D>& mesh, IdVector<VertexId, double>& half_n
 }  // namespace
 
 template <int D>
-VertexSpacing initial_spacing(const Mesh<D>& mesh, const Csr<VertexId, VertexId>& neighbors, InitialSpacing kind) {
+VertexSpacing initial_spacing(const Mesh<D>& mesh, const EdgeGraph& edges, InitialSpacing kind) {
   VertexSpacing spacing;
   spacing.initial.resize(mesh.points.size());
   spacing.nearest.resize(mesh.points.size());
   parallel_for(mesh.points.size(), [&](std::size_t i) {
     const VertexId v(i);
     double nearest = std::numeric_limits<double>::infinity(), sum = 0;
-    for (const VertexId w : neighbors[v]) {
-      const double d = distance(mesh.points[v], mesh.points[w]);
+    for (const double d : edges.lengths(v)) {
       nearest = std::min(nearest, d);
       sum += d;
     }
     // A vertex of no simplex has no say.
-    const double mean = neighbors[v].empty() ? nearest : sum / static_cast<double>(neighbors[v].size());
+    const double mean = edges.lengths(v).empty() ? nearest : sum / static_cast<double>(edges.lengths(v).size());
     spacing.nearest[v] = 0.5 * nearest;
     spacing.initial[v] = 0.5 * mean / kMeanEdgeOverSpacing<D>;
   });
@@ -62,7 +61,7 @@ VertexSpacing initial_spacing(const Mesh<D>& mesh, const Csr<VertexId, VertexId>
   return spacing;
 }
 
-template VertexSpacing initial_spacing(const Mesh<2>&, const Csr<VertexId, VertexId>&, InitialSpacing);
-template VertexSpacing initial_spacing(const Mesh<3>&, const Csr<VertexId, VertexId>&, InitialSpacing);
+template VertexSpacing initial_spacing(const Mesh<2>&, const EdgeGraph&, InitialSpacing);
+template VertexSpacing initial_spacing(const Mesh<3>&, const EdgeGraph&, InitialSpacing);
 
 }  // namespace voropack

@@ -1,6 +1,7 @@
 // f_0: the spacing function that a mesh of unknown origin was made with, as far as its edges tell.
 #pragma once
 
+#include "mesh/edge_graph.h"
 #include "voropack/coarsening.h"
 #include "voropack/index.h"
 #include "voropack/mesh.h"
@@ -18,8 +19,8 @@ struct VertexSpacing {
 template <int D>
 inline constexpr double kMeanEdgeOverSpacing = D == 2 ? 1.2 : 1.35;
 
-/// `neighbors` are those along edges. O(n), in parallel.
+/// O(n), in parallel.
 template <int D>
-VertexSpacing initial_spacing(const Mesh<D>& mesh, const Csr<VertexId, VertexId>& neighbors, InitialSpacing kind);
+VertexSpacing initial_spacing(const Mesh<D>& mesh, const EdgeGraph& edges, InitialSpacing kind);
 
 }  // namespace voropack

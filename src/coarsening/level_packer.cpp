@@ -270,11 +270,28 @@ class LevelPacker {
     return tied != tied_with_ball_.end() && std::ranges::count(tied->second, s) > 0;
   }
 
+  /// One after the other; but all threads find out before which vertices of the next few cannot join any more. That
+  /// leaves those between which the order decides. Kept ones are there already.
   void add_interior() {
-    for (std::size_t i = 0; i < fine_.interior.size(); ++i) {
-      if (i % 65536 == 0) observer_.check_cancelled();
-      const VertexId v = fine_.interior[i];
-      if (is_kept_[v.value()] == 0 && !spheres_.conflicts(point(v), f_[v]) && !balls_.forbids(point(v))) add(v);
+    constexpr std::size_t kFew = 4096, kRow = 256;
+    std::vector<std::uint8_t> may_join(kFew);
+    for (std::size_t begin = 0; begin < fine_.interior.size(); begin += kFew) {
+      observer_.check_cancelled();
+      const std::size_t count = std::min(kFew, fine_.interior.size() - begin);
+      parallel_for((count + kRow - 1) / kRow,
+                   [&](std::size_t row) {
+                     std::uint32_t hint = 0;
+                     for (std::size_t i = row * kRow; i < std::min(count, (row + 1) * kRow); ++i) {
+                       const VertexId v = fine_.interior[begin + i];
+                       may_join[i] = spheres_.conflicts(point(v), f_[v], hint) || balls_.forbids(point(v)) ? 0 : 1;
+                     }
+                   },
+                   1);
+      std::uint32_t hint = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        const VertexId v = fine_.interior[begin + i];
+        if (may_join[i] != 0 && !spheres_.conflicts(point(v), f_[v], hint)) hint = add(v).value();
+      }
     }
   }
 

@@ -65,7 +65,7 @@ struct PlanarPacker::State {
 
 PlanarPacker::PlanarPacker(const Mesh<2>& mesh, const ChainedMesh& fine, InitialSpacing initial, Observer& observer)
     : fine_(&fine), observer_(&observer) {
-  VertexSpacing spacing = initial_spacing(mesh, vertex_neighbors(mesh), initial);
+  VertexSpacing spacing = initial_spacing(mesh, build_edge_graph(mesh), initial);
   initial_ = std::move(spacing.initial.raw());
   nearest_ = std::move(spacing.nearest.raw());
   std::vector<Box<2>> boxes;

@@ -34,6 +34,20 @@ class BoxTree {
     build(0, 0, boxes.size(), boxes, values);
   }
 
+  /// Other values for the same items. O(n).
+  void set_values(std::span<const double> values) {
+    // Children come after their parents.
+    for (std::size_t i = nodes_.size(); i-- > 0;) {
+      Node& node = nodes_[i];
+      if (node.count == 0) {
+        node.value = std::min(nodes_[node.first].value, nodes_[node.first + 1].value);
+        continue;
+      }
+      node.value = std::numeric_limits<double>::infinity();
+      for (const std::uint32_t item : items(node)) node.value = std::min(node.value, values[item]);
+    }
+  }
+
   [[nodiscard]] bool empty() const { return nodes_.empty(); }
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
   [[nodiscard]] std::span<const std::uint32_t> items(const Node& node) const {
@@ -43,13 +57,19 @@ class BoxTree {
   /// visit(item) for every item below nodes whose box passes `enter`.
   template <class Enter, class Visit>
   void for_each(Enter&& enter, Visit&& visit) const {
+    for_each_below([&](const Node& node) { return enter(node.box); }, visit);
+  }
+
+  /// The same where entering depends on the node's value, too.
+  template <class Enter, class Visit>
+  void for_each_below(Enter&& enter, Visit&& visit) const {
     if (nodes_.empty()) return;
     std::uint32_t stack[kMaxDepth];
     int size = 0;
     stack[size++] = 0;
     while (size > 0) {
       const Node& node = nodes_[stack[--size]];
-      if (!enter(node.box)) continue;
+      if (!enter(node)) continue;
       if (node.count > 0) {
         for (std::uint32_t item : items(node)) visit(item);
       } else {

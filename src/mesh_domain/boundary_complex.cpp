@@ -8,6 +8,7 @@
 
 #include "base/disjoint_sets.h"
 #include "mesh/faces.h"
+#include "mesh_domain/simplex_blocks.h"
 
 namespace voropack {
 
@@ -39,16 +40,25 @@ class FaceRegions {
       for (const VertexId v : mesh.boundary_vertices[f]) on_boundary[v.value()] = 1;
       face_of.emplace(sorted(mesh.boundary_vertices[f]), f.value());
     }
-    for (const SimplexId s : ids(mesh.simplex_vertices))
+    struct Side {
+      std::uint32_t face;
+      int region;
+    };
+    const auto find_sides = [&](SimplexId s, std::vector<Side>& sides) {
+      const auto& corners = mesh.simplex_vertices[s];
+      if (std::ranges::count_if(corners, [&](VertexId v) { return on_boundary[v.value()] != 0; }) < D) return;
       for (int i = 0; i <= D; ++i) {
         const std::array<VertexId, D> face = face_vertices<D>(mesh, s, i);
         if (std::ranges::any_of(face, [&](VertexId v) { return on_boundary[v.value()] == 0; })) continue;
-        const auto it = face_of.find(sorted(face));
-        if (it == face_of.end()) continue;
-        Pair& pair = pairs_[it->second];
-        pair[pair[0] == kNoRegion ? 0 : 1] = mesh.simplex_region[s];
-        if (pair[1] != kNoRegion && pair[1] < pair[0]) std::swap(pair[0], pair[1]);
+        if (const auto it = face_of.find(sorted(face)); it != face_of.end())
+          sides.push_back({it->second, mesh.simplex_region[s]});
       }
+    };
+    for (const Side& side : collect_from_simplices<Side>(mesh, find_sides)) {
+      Pair& pair = pairs_[side.face];
+      pair[pair[0] == kNoRegion ? 0 : 1] = side.region;
+      if (pair[1] != kNoRegion && pair[1] < pair[0]) std::swap(pair[0], pair[1]);
+    }
   }
   [[nodiscard]] const Pair& operator[](std::size_t face) const { return pairs_[face]; }
 

@@ -6,9 +6,11 @@
 #include <set>
 
 #include "base/disjoint_sets.h"
+#include "base/parallel.h"
 #include "geom/tolerance.h"
 #include "mesh/faces.h"
 #include "mesh_domain/boundary_complex.h"
+#include "mesh_domain/simplex_blocks.h"
 
 namespace voropack {
 
@@ -159,7 +161,8 @@ class DomainMaker {
       for (const VertexId v : face) on_wall[v.value()] = 1;
     const std::size_t n = mesh_.simplex_vertices.size();
     DisjointSets parts(n);
-    for (const SimplexId s : ids(mesh_.simplex_vertices))
+    parallel_for(n, [&](std::size_t number) {
+      const SimplexId s(number);
       for (int i = 0; i <= D; ++i) {
         const SimplexId t = mesh_.simplex_neighbors[s][static_cast<std::size_t>(i)];
         if (t.is_none() || t < s || mesh_.simplex_region[s] != mesh_.simplex_region[t]) continue;
@@ -170,16 +173,34 @@ class DomainMaker {
         }
         parts.join(s.value(), t.value());
       }
-    std::map<std::uint32_t, std::pair<double, SimplexId>> largest;
-    for (const SimplexId s : ids(mesh_.simplex_vertices)) {
-      auto& [size, best] = largest[parts.find(s.value())];
-      if (const double mine = measure(s); best.is_none() || mine > size) size = mine, best = s;
-    }
-    for (const auto& [root, part] : largest) {
+    });
+    for (const auto& [root, part] : largest_simplices(parts)) {
       Vec<D> center;
       for (const VertexId v : mesh_.simplex_vertices[part.second]) center += mesh_.points[v] / (D + 1.0);
       input.region_seeds.push_back({center, mesh_.simplex_region[part.second], std::nullopt});
     }
+  }
+
+  using LargestSimplices = std::map<std::uint32_t, std::pair<double, SimplexId>>;
+
+  /// The largest simplex of each part, the first one of several; by the part's root.
+  [[nodiscard]] LargestSimplices largest_simplices(DisjointSets& parts) const {
+    const auto take = [](LargestSimplices& largest, std::uint32_t root, double size, SimplexId s) {
+      auto& [most, best] = largest[root];
+      if (best.is_none() || size > most) most = size, best = s;
+    };
+    return parallel_reduce_ordered(
+        mesh_.simplex_vertices.size(), 65536, LargestSimplices{},
+        [&](std::size_t begin, std::size_t end) {
+          LargestSimplices largest;
+          for (std::size_t s = begin; s < end; ++s)
+            take(largest, parts.find(static_cast<std::uint32_t>(s)), measure(SimplexId(s)), SimplexId(s));
+          return largest;
+        },
+        [&](LargestSimplices all, const LargestSimplices& some) {
+          for (const auto& [root, part] : some) take(all, root, part.first, part.second);
+          return all;
+        });
   }
 
   [[nodiscard]] double measure(SimplexId s) const {
@@ -195,14 +216,12 @@ class DomainMaker {
   void add_hole_seeds(DomainInput<D>& input) const {
     struct HullFace {
       std::array<VertexId, D> vertices;
-      Vec<D> apex;
     };
-    std::vector<HullFace> hull;
-    for (const SimplexId s : ids(mesh_.simplex_vertices))
+    const auto hull = collect_from_simplices<HullFace>(mesh_, [&](SimplexId s, std::vector<HullFace>& faces) {
       for (int i = 0; i <= D; ++i)
         if (mesh_.simplex_neighbors[s][static_cast<std::size_t>(i)].is_none())
-          hull.push_back({boundary_face<D>(mesh_.simplex_vertices[s], i),
-                          mesh_.points[mesh_.simplex_vertices[s][static_cast<std::size_t>(i)]]});
+          faces.push_back({boundary_face<D>(mesh_.simplex_vertices[s], i)});
+    });
     DisjointSets shells(hull.size());
     std::map<VertexId, std::uint32_t> first;
     for (std::uint32_t f = 0; f < hull.size(); ++f)

@@ -4,8 +4,8 @@
 #include <limits>
 #include <utility>
 
-#include "coarsening/fine_mesh.h"
 #include "coarsening/initial_spacing.h"
+#include "mesh/edge_graph.h"
 #include "voropack/error.h"
 #include "voropack/refinement.h"
 
@@ -36,18 +36,18 @@ Spacing<D> interpolate(const Mesh<D>& mesh, const Domain<D>& domain, IdVector<Ve
 
 template <int D>
 IdVector<VertexId, double> spacing_at_vertices(const Mesh<D>& mesh, double lipschitz) {
-  const Csr<VertexId, VertexId> neighbors = vertex_neighbors(mesh);
+  const EdgeGraph edges = build_edge_graph(mesh);
   IdVector<VertexId, double> f = mesh.vertex_spacing.empty()
-                                     ? initial_spacing(mesh, neighbors, InitialSpacing::kNearest).nearest
+                                     ? initial_spacing(mesh, edges, InitialSpacing::kNearest).nearest
                                      : mesh.vertex_spacing;
-  make_lipschitz(mesh, neighbors, lipschitz, f);
+  make_lipschitz(edges, lipschitz, f);
   return f;
 }
 
 template <int D>
 Spacing<D> spacing_through(const Mesh<D>& mesh, const Domain<D>& domain, IdVector<VertexId, double> f,
                            const SizeWishes<D>& wishes, const SpacingOptions& options, Observer& observer) {
-  make_lipschitz(mesh, vertex_neighbors(mesh), options.gradation, f);
+  make_lipschitz(build_edge_graph(mesh), options.gradation, f);
   return interpolate(mesh, domain, std::move(f), wishes, options, observer);
 }
 

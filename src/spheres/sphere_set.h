@@ -63,7 +63,17 @@ class SphereSet {
 
   /// True if the f-sphere (x, radius) overlaps a sphere of the set.
   [[nodiscard]] bool conflicts(const Vec<K>& x, double radius) const {
-    const auto hit = [&](std::uint32_t id) { return overlap(spheres_[id], x, radius); };
+    std::uint32_t hint = 0;
+    return conflicts(x, radius, hint);
+  }
+  /// The same for one sphere after the other: `hint`, 0 at first, is a sphere that may well overlap this one, too.
+  [[nodiscard]] bool conflicts(const Vec<K>& x, double radius, std::uint32_t& hint) const {
+    if (hint < spheres_.size() && overlap(spheres_[hint], x, radius)) return true;
+    const auto hit = [&](std::uint32_t id) {
+      if (!overlap(spheres_[id], x, radius)) return false;
+      hint = id;
+      return true;
+    };
     // Mostly a sphere in the cell of x itself answers.
     for (const Level& level : levels_)
       for (std::uint32_t id = level.grid.find(x); id != BlockGrid<K>::kEnd; id = next_[id])
