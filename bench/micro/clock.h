@@ -11,6 +11,7 @@ namespace voropack::bench {
 
 struct Seconds {
   double wall = 0, processor = 0;
+  friend Seconds operator+(const Seconds& a, const Seconds& b) { return {a.wall + b.wall, a.processor + b.processor}; }
 };
 
 /// Begins when it is made.

@@ -1,14 +1,15 @@
 // Multigrid on a packed square or cube, or on a box of two materials: times of setup and solution, iterations,
-// contraction, beside conjugate gradients with incomplete Cholesky. bench/peers/boomer_amg.cpp solves the same systems.
+// contraction, beside conjugate gradients with incomplete Cholesky. bench/peers/boomer_amg.cpp solves the same systems,
+// and bench/multigrid.py puts both into one table. Levels end at some 2000 vertices, as in `voropack solve`.
 //
-// Usage: multigrid DIMENSION [n_vertices = 100000] [growth = 1.5] [right conductivity = 1] [n_loads = 1] [threads = 0]
-//                  [FILE for boomer_amg]
-// With a right conductivity other than 1 the box has two materials.
+// Usage: multigrid DIMENSION [n_vertices = 100000] [growth = 2] [right conductivity = 1] [n_loads = 1] [threads = 0]
+//                  [FILE for boomer_amg] [only = 0]
+// With a right conductivity other than 1 the box has two materials. With only = 1 nothing is run but control volumes
+// with symmetric Gauss-Seidel.
 #include <fmt/format.h>
 #include <malloc.h>
-#include <sys/resource.h>
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "clock.h"
 #include "support/domains.h"
 #include "voropack/coarsening.h"
 #include "voropack/diffusion.h"
@@ -27,31 +29,11 @@ namespace {
 
 struct Settings {
   double n_vertices = 1e5;
-  double growth = 1.5;
+  double growth = 2;
   double right = 1;
   int n_loads = 1;
   std::string file;
-};
-
-/// Wall-clock seconds, and those of all processors.
-class Clock {
- public:
-  [[nodiscard]] std::string text() const {
-    const Clock now;
-    return fmt::format("{:.2f} s, {:.2f} s of processor time", now.wall_ - wall_, now.processor_ - processor_);
-  }
-
- private:
-  static double seconds(const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  }
-  static double processor() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-  }
-  double wall_ = std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-  double processor_ = processor();
+  bool is_only = false;
 };
 
 /// u = 0 on the outer boundary, source 1.
@@ -97,15 +79,20 @@ void write_system(const LinearSystem& system, const std::string& file) {
   put(load);
 }
 
-/// Solves for some loads, and prints the times of setup and solutions.
-void solve_loads(const std::string& what, LinearSystem system, const std::shared_ptr<const Preconditioner>& own,
-                 int n_loads) {
+struct LoadTimes {
+  bench::Seconds first, all;
+};
+
+/// Solves for some loads, and prints the times.
+LoadTimes solve_loads(const std::string& what, LinearSystem system, const std::shared_ptr<const Preconditioner>& own,
+                      int n_loads) {
   LinearOptions options;
   options.method = LinearMethod::kConjugateGradients;
   if (own) options.own_preconditioner = [own](const LinearSystem&) { return own; };
   options.tolerance = 1e-8;
   const IdVector<VertexId, double> load = system.load;
-  const Clock clock;
+  const bench::Clock clock;
+  LoadTimes times;
   std::string iterations;
   for (int k = 0; k < n_loads; ++k) {
     std::uint64_t unknown = 0;
@@ -113,21 +100,30 @@ void solve_loads(const std::string& what, LinearSystem system, const std::shared
       if (system.is_fixed[v] == 0)
         system.load[v] = load[v] * (1 + 0.1 * static_cast<double>(unknown++ % (2 + static_cast<std::uint64_t>(k))));
     iterations += fmt::format(" {}", solve_linear_system(system, options).report.n_iterations);
+    if (k == 0) times.first = clock.passed();
   }
+  times.all = clock.passed();
   fmt::print("  {}: {} loads in {}; iterations{}\n", what, n_loads, clock.text(), iterations);
+  return times;
 }
 
+/// `before` is what the hierarchy and its matrices took.
 void run_multigrid(const std::string& what, const LinearSystem& system, const std::vector<MultigridLevel>& levels,
-                   const MultigridOptions& options, int n_loads) {
-  const Clock clock;
+                   const MultigridOptions& options, int n_loads, const bench::Seconds& before) {
+  const bench::Clock clock;
   const auto multigrid = make_multigrid(system, levels, options);
+  const bench::Seconds setup = clock.passed();
   fmt::print("{}: setup {}\n", what, clock.text());
   const MultigridReport& report = multigrid->report();
   fmt::print("  operator complexity {:.3f}, unknowns", report.operator_complexity);
   for (const MultigridLevelReport& level : report.levels) fmt::print(" {}", level.n_unknowns);
   const LinearReport alone = solve_by_multigrid(system, *multigrid, {.starts_with_full = false}).report;
   fmt::print("\n  alone: {} cycles, contraction {:.3f}\n", alone.n_iterations, alone.contraction);
-  solve_loads("conjugate gradients", system, multigrid, n_loads);
+  const LoadTimes times = solve_loads("conjugate gradients", system, multigrid, n_loads);
+  const auto total = [&](const bench::Seconds& loads) { return before + setup + loads; };
+  fmt::print("  with coarsening and setup: 1 load {:.2f} s, {:.2f} s of processor time; {} loads {:.2f} s, {:.2f} s\n",
+             total(times.first).wall, total(times.first).processor, n_loads, total(times.all).wall,
+             total(times.all).processor);
 }
 
 template <int D>
@@ -142,15 +138,20 @@ void run(const Settings& settings) {
   const LinearSystem system = system_of(result.mesh, settings.right);
   if (!settings.file.empty()) write_system(system, settings.file);
 
-  const Clock clock;
+  constexpr double kCoarsest = 2000;
+  const bench::Clock clock;
   CoarseningOptions coarsening;
-  coarsening.levels = 12;
   coarsening.growth = settings.growth;
+  coarsening.levels =
+      std::max(1, static_cast<int>(std::lround(std::log(static_cast<double>(result.mesh.points.size()) / kCoarsest) /
+                                               (D * std::log(settings.growth)))));
   const CoarseningHierarchy<D> hierarchy = coarsen(result.mesh, coarsening);
+  const bench::Seconds coarsened = clock.passed();
   fmt::print("coarsening {}\n", clock.text());
-  const Clock assembly;
+  const bench::Clock assembly;
   std::vector<LinearSystem> coarse;
   for (const CoarseLevel<D>& level : hierarchy.levels) coarse.push_back(system_of(level.mesh, settings.right));
+  const bench::Seconds assembled = assembly.passed();
   fmt::print("control volumes and matrices of the levels {}\n", assembly.text());
 
   for (const bool with_matrices : {true, false}) {
@@ -160,12 +161,15 @@ void run(const Settings& settings) {
                         .finest_vertex = hierarchy.levels[k].finest_vertex.raw(),
                         .matrix = with_matrices ? &coarse[k].matrix : nullptr});
     const char* operators = with_matrices ? "control volumes" : "Galerkin";
+    const bench::Seconds before = with_matrices ? coarsened + assembled : coarsened;
     MultigridOptions multigrid;
-    run_multigrid(fmt::format("{}, symmetric Gauss-Seidel", operators), system, levels, multigrid, settings.n_loads);
+    run_multigrid(fmt::format("{}, symmetric Gauss-Seidel", operators), system, levels, multigrid, settings.n_loads,
+                  before);
+    if (settings.is_only) return;
     multigrid.smoother = MultigridSmoother::kGaussSeidel;
-    run_multigrid(fmt::format("{}, Gauss-Seidel", operators), system, levels, multigrid, settings.n_loads);
+    run_multigrid(fmt::format("{}, Gauss-Seidel", operators), system, levels, multigrid, settings.n_loads, before);
     multigrid.smoother = MultigridSmoother::kChebyshev;
-    run_multigrid(fmt::format("{}, Chebyshev", operators), system, levels, multigrid, settings.n_loads);
+    run_multigrid(fmt::format("{}, Chebyshev", operators), system, levels, multigrid, settings.n_loads, before);
   }
   fmt::print("incomplete Cholesky\n");
   solve_loads("conjugate gradients with setup", system, nullptr, 1);
@@ -180,10 +184,11 @@ int main(int argc, char** argv) {
   mallopt(M_TRIM_THRESHOLD, -1);
   const auto number = [&](int i, double otherwise) { return argc > i ? std::atof(argv[i]) : otherwise; };
   const voropack::Settings settings{.n_vertices = number(2, 1e5),
-                                    .growth = number(3, 1.5),
+                                    .growth = number(3, 2),
                                     .right = number(4, 1),
                                     .n_loads = static_cast<int>(number(5, 1)),
-                                    .file = argc > 7 ? argv[7] : ""};
+                                    .file = argc > 7 ? argv[7] : "",
+                                    .is_only = number(8, 0) != 0};
   voropack::run_with_threads(static_cast<int>(number(6, 0)),
                              [&] { number(1, 3) == 2 ? voropack::run<2>(settings) : voropack::run<3>(settings); });
 }

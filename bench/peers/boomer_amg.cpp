@@ -163,6 +163,7 @@ int run(int argc, char** argv) {
     HYPRE_Int iterations = 0;
     HYPRE_PCGGetNumIterations(pcg, &iterations);
     print_since(before_solve, "solve", rank);
+    if (load == 0) print_since(before_setup, "setup and first load", rank);
     if (rank == 0) std::printf("iterations %d\n", static_cast<int>(iterations));
     HYPRE_IJVectorDestroy(b);
     HYPRE_IJVectorDestroy(x);
