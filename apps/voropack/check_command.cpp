@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "command.h"
+#include "known_domain.h"
 #include "print.h"
 #include "voropack/certificate.h"
 
@@ -17,27 +18,14 @@ namespace {
 struct CheckArguments {
   fs::path mesh;
   bool redelaunay = false;
-  std::optional<fs::path> domain;
-  DomainOptions merge;
+  KnownDomain domain;
   CertificateOptions claims;
 };
-
-template <int D>
-Domain<D> read_domain_of(const fs::path& path, const DomainOptions& options, Observer& observer) {
-  const AnyDomainInput any = read_domain(path, observer);
-  if (const auto* const input = std::get_if<DomainInput<D>>(&any)) return build_domain(*input, options, observer);
-  throw InputError(Fault{.id = "cli.dimension",
-                         .message = "the mesh and the domain have different dimensions",
-                         .fix = "give the domain that the mesh was made from.",
-                         .file = path.string()});
-}
 
 Json options_json(const CheckArguments& arguments) {
   Json json = Json::object();
   json["redelaunay"] = arguments.redelaunay;
-  if (arguments.domain) json["domain"] = arguments.domain->string();
-  if (arguments.merge.merge_distance) json["merge_distance"] = *arguments.merge.merge_distance;
-  if (arguments.domain) json["merge_angle"] = arguments.merge.merge_angle_deg;
+  describe_known_domain(arguments.domain, json);
   if (arguments.claims.gradation) json["gradation"] = *arguments.claims.gradation;
   json["packing"] = name_of(kFormNames, arguments.claims.form);
   if (arguments.claims.form != PackingForm::kVoronoi) json["epsilon"] = arguments.claims.epsilon;
@@ -48,14 +36,13 @@ template <int D>
 ExitCode check_mesh(const Mesh<D>& mesh, const CheckArguments& arguments, StageTimes times, Session& session) {
   Observer& observer = session.observer;
   std::optional<Domain<D>> domain;
-  if (arguments.domain)
-    timed(times, "read", [&] { domain = read_domain_of<D>(*arguments.domain, arguments.merge, observer); });
+  if (arguments.domain.file) timed(times, "read", [&] { domain = read_known_domain<D>(arguments.domain, observer); });
 
   Report report;
   report.command = "check";
   report.options = options_json(arguments);
   report.input = describe_file(arguments.mesh, D);
-  if (domain) report.domain = describe_domain(*arguments.domain, *domain);
+  if (domain) report.domain = describe_domain(*arguments.domain.file, *domain);
 
   const ControlVolumes<D> volumes = timed(times, "dual", [&] { return build_control_volumes(mesh, observer); });
   report.quality = timed(times, "quality", [&] { return measure_quality(mesh, volumes, observer); });
@@ -119,10 +106,8 @@ Command add_check_command(CLI::App& root, CommonOptions& common) {
   const auto arguments = std::make_shared<CheckArguments>();
   app->add_option("MESH", arguments->mesh, "Mesh: .node (with .ele and, where present, .face, .edge) or .vtu")
       ->required();
-  app->add_option("--domain", arguments->domain, "Compare with this domain: conformity and volumes")
-      ->type_name("DOMAIN");
+  add_domain_options(*app, arguments->domain, "Compare with this domain: conformity and volumes");
   add_redelaunay_option(*app, arguments->redelaunay);
-  add_merge_options(*app, arguments->merge);
   add_gradation_option(*app, arguments->claims.gradation);
   add_form_options(*app, arguments->claims.form, arguments->claims.epsilon);
   add_common_options(*app, common);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "command.h"
+#include "known_domain.h"
 #include "print.h"
 #include "voropack/coarsening.h"
 
@@ -28,6 +29,7 @@ const std::map<std::string, LocalImprovement> kImprovementNames = {
 struct CoarsenArguments {
   fs::path mesh;
   fs::path folder;
+  KnownDomain domain;
   CoarseningOptions options;
   BeyondBoundaryOptions beyond;
   bool is_beyond = false;
@@ -52,6 +54,7 @@ Json options_json(const CoarsenArguments& arguments) {
   json["order"] = name_of(kOrderNames, options.order);
   json["quasi_uniform"] = options.quasi_uniform;
   json["redelaunay"] = arguments.redelaunay;
+  describe_known_domain(arguments.domain, json);
   if (!arguments.level_boundaries.empty()) json["level_boundary"] = arguments.level_boundaries;
   json["beyond_boundary"] = arguments.is_beyond;
   if (!arguments.is_beyond) return json;
@@ -231,12 +234,14 @@ void make_levels(const Mesh<D>& mesh, const CoarsenArguments& arguments, Report&
                  Levels<D>& out) {
   std::vector<LevelBoundary<D>> boundaries =
       timed(report.times, "read", [&] { return read_boundaries<D>(arguments.level_boundaries, observer); });
-  timed(report.times, "coarsen", [&] {
-    if (arguments.is_beyond)
-      out.simplified = coarsen_beyond_boundary(mesh, arguments.beyond, observer);
-    else
-      out.hierarchy = coarsen<D>(mesh, std::move(boundaries), arguments.options, observer);
-  });
+  if (arguments.is_beyond) {
+    timed(report.times, "coarsen", [&] { out.simplified = coarsen_beyond_boundary(mesh, arguments.beyond, observer); });
+  } else {
+    MeshDomain<D> place = timed(report.times, "domain", [&] { return find_place(mesh, arguments.domain, observer); });
+    timed(report.times, "coarsen", [&] {
+      out.hierarchy = coarsen<D>(mesh, std::move(place), std::move(boundaries), arguments.options, observer);
+    });
+  }
   for (const CoarseLevel<D>& level : out.hierarchy.levels) out.all.push_back(&level);
   if constexpr (D == 2)
     for (const SimplifiedLevel& level : out.simplified) out.all.push_back(&level);
@@ -283,6 +288,7 @@ ExitCode coarsen_mesh(const Mesh<D>& mesh, const CoarsenArguments& arguments, St
 
 ExitCode run_coarsen(const CoarsenArguments& arguments, Session& session) {
   session.outputs.protect(arguments.mesh);
+  if (arguments.domain.file) session.outputs.protect(*arguments.domain.file);
   for (const std::string& text : arguments.level_boundaries) session.outputs.protect(text.substr(text.find('=') + 1));
   session.observer.begin_stage("read");
   StageTimes times;
@@ -384,6 +390,9 @@ Command add_coarsen_command(CLI::App& root, CommonOptions& common) {
   app->add_option("-o,--output", arguments->folder, "Folder for level-1.node, ..., prolongation-1.mtx, ...")
       ->required();
   add_level_options(*app, *arguments);
+  add_domain_options(*app, arguments->domain,
+                     "The domain that MESH was made of; else what its boundary tells.\nMesh and domain may differ by "
+                     "--merge-distance");
   add_boundary_option(*app, *arguments);
   add_beyond_options(*app, *arguments);
   app->add_flag("--intersections", arguments->counts_intersections,

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "command.h"
+#include "known_domain.h"
 #include "meshing.h"
 #include "print.h"
 #include "voropack/refinement.h"
@@ -20,6 +21,7 @@ namespace {
 
 struct RefineArguments {
   fs::path mesh;
+  KnownDomain domain;
   std::vector<fs::path> outputs;
   std::optional<fs::path> cells;
   std::optional<int> levels;
@@ -41,6 +43,7 @@ Json options_json(const RefineArguments& arguments, const MeshingOptions<D>& opt
   json["force"] = arguments.force;
   json["redelaunay"] = arguments.redelaunay;
   json.update(meshing_json(arguments.wishes, options));
+  describe_known_domain(arguments.domain, json);
   return json;
 }
 
@@ -73,7 +76,7 @@ ExitCode refine_mesh(const Mesh<D>& mesh, const RefineArguments& arguments, Stag
   if (arguments.cells) staged_cells = session.outputs.stage(*arguments.cells);
 
   const MeshingOptions<D> options = timed(times, "read", [&] { return meshing_options<D>(arguments.wishes, session); });
-  const MeshDomain<D> place = timed(times, "domain", [&] { return domain_of(mesh, observer); });
+  const MeshDomain<D> place = timed(times, "domain", [&] { return find_place(mesh, arguments.domain, observer); });
   const std::vector<std::string> failed =
       timed(times, "certificate", [&] { return failed_checks(mesh, place.domain, arguments, observer); });
   if (!failed.empty() && !arguments.force)
@@ -133,6 +136,7 @@ ExitCode run_refine(const RefineArguments& arguments, Session& session) {
   for (const fs::path& output : arguments.outputs) check_extension(output, kMeshExtensions);
   if (arguments.cells) check_extension(*arguments.cells, {".vtu"});
   session.outputs.protect(arguments.mesh);
+  if (arguments.domain.file) session.outputs.protect(*arguments.domain.file);
   for (const fs::path& file : arguments.wishes.files()) session.outputs.protect(file);
   session.observer.begin_stage("read");
   StageTimes times;
@@ -164,6 +168,9 @@ Command add_refine_command(CLI::App& root, CommonOptions& common) {
       ->default_str("all");
   app->add_flag("--force", arguments->force, "Go on where the certificate of MESH fails, and report it");
   add_redelaunay_option(*app, arguments->redelaunay);
+  add_domain_options(*app, arguments->domain,
+                     "The domain that MESH was made of; else what its boundary tells.\nMesh and domain may differ by "
+                     "--merge-distance");
   add_size_options(*app, arguments->wishes);
   add_packing_options(*app, arguments->wishes.packing);
   add_common_options(*app, common);

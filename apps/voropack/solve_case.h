@@ -18,6 +18,7 @@ struct Setting {
   const Case& given;
   CompiledCase<D> compiled;
   Mesh<D> mesh{};
+  std::optional<Domain<D>> domain{};  ///< That the mesh was made of, where that is known.
   ControlVolumes<D> volumes{};
   BoundaryAreas<D> boundary{};
   bool writes_cells = false;

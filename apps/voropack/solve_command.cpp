@@ -165,6 +165,7 @@ ExitCode solve_on_domain(const Case& given, const DomainInput<D>& input, const S
   }
   text += "certificate: ok\n\n";
   setting.mesh = std::move(result.mesh);
+  setting.domain = std::move(result.domain);
   setting.volumes = std::move(result.volumes);
   return finish_case(setting, &result.domain, arguments, staged, report, std::move(text), session);
 }

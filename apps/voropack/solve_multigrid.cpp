@@ -6,6 +6,7 @@
 
 #include "voropack/coarsening.h"
 #include "voropack/error.h"
+#include "voropack/mesh_domain.h"
 
 namespace voropack::app {
 
@@ -19,7 +20,7 @@ template <int D>
 constexpr std::uint64_t kLargeInTime = D == 2 ? 10'000 : 100'000;
 
 /// From level to level: smaller factors save iterations, and cost more than that in levels.
-constexpr double kGrowth = 2;
+constexpr double kGrowth = 2.5;
 
 /// Vertices of the coarsest level, about: few enough to be solved for directly in no time.
 constexpr double kCoarsest = 2000;
@@ -59,7 +60,9 @@ void MultigridMaker<D>::make_levels() {
   is_coarsened_ = true;
   observer_.begin_stage("coarsen");
   StopObserver stop(observer_);
-  CoarseningHierarchy<D> hierarchy = coarsen(mesh_, coarsening_options<D>(mesh_.points.size()), stop);
+  MeshDomain<D> place = domain_ ? place_in_domain(mesh_, *domain_, 0, stop) : domain_of(mesh_, stop);
+  CoarseningHierarchy<D> hierarchy =
+      coarsen(mesh_, std::move(place), {}, coarsening_options<D>(mesh_.points.size()), stop);
   for (CoarseLevel<D>& level : hierarchy.levels)
     levels_.push_back({std::move(level.prolongation), std::move(level.finest_vertex)});
   if (levels_.empty())

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "case.h"
+#include "voropack/domain.h"
 #include "voropack/mesh.h"
 #include "voropack/multigrid.h"
 #include "voropack/observer.h"
@@ -24,9 +25,10 @@ struct MultigridFigures {
 template <int D>
 class MultigridMaker {
  public:
-  /// Mesh and case have to stay where they are.
-  MultigridMaker(const Mesh<D>& mesh, const Case& given, Observer& observer)
-      : mesh_(mesh), given_(given), observer_(observer) {}
+  /// `domain` is what the mesh was made of, where that is known; else its boundary tells. All have to stay where they
+  /// are.
+  MultigridMaker(const Mesh<D>& mesh, const std::optional<Domain<D>>& domain, const Case& given, Observer& observer)
+      : mesh_(mesh), domain_(domain), given_(given), observer_(observer) {}
 
   /// Nothing where another preconditioner is wanted, does better, or has to do.
   std::shared_ptr<const Preconditioner> operator()(const LinearSystem& system);
@@ -42,6 +44,7 @@ class MultigridMaker {
   void make_levels();
 
   const Mesh<D>& mesh_;
+  const std::optional<Domain<D>>& domain_;
   const Case& given_;
   Observer& observer_;
   std::vector<Level> levels_;

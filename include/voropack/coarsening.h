@@ -9,6 +9,7 @@
 #include "voropack/index.h"
 #include "voropack/linear_system.h"
 #include "voropack/mesh.h"
+#include "voropack/mesh_domain.h"
 #include "voropack/observer.h"
 
 namespace voropack {
@@ -104,6 +105,11 @@ CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, const CoarseningOptions& opt
 /// coarser level reaches out of it, or if its protecting balls hold vertices and there are none on it to mend that.
 template <int D>
 CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, std::vector<LevelBoundary<D>> boundaries,
+                               const CoarseningOptions& options = {}, Observer& observer = silent_observer());
+
+/// The same with a domain that is known: `place` says where the mesh is in it (domain_of, place_in_domain).
+template <int D>
+CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, MeshDomain<D> place, std::vector<LevelBoundary<D>> boundaries,
                                const CoarseningOptions& options = {}, Observer& observer = silent_observer());
 
 /// For each simplex of a level, how many of the next finer mesh it meets with its interior: what Theorem 4.1 bounds.

@@ -28,4 +28,14 @@ struct MeshDomain {
 template <int D>
 MeshDomain<D> domain_of(const Mesh<D>& mesh, Observer& observer = silent_observer());
 
+/// The same for a domain that is known, such as the one that the mesh was made of: nothing is left to guess. Boundary
+/// vertices may be off their polytopes by `tolerance`, a length, and rounding; the points of the domain get the
+/// coordinates of their vertices.
+/// Cost: O(n log n) for n boundary vertices, O(n) for n simplices.
+/// Throws: InputError mesh.other_domain if a point of the domain is no vertex, a boundary vertex is on no polytope, or
+///         regions have other sizes.
+template <int D>
+MeshDomain<D> place_in_domain(const Mesh<D>& mesh, Domain<D> domain, double tolerance = 0,
+                              Observer& observer = silent_observer());
+
 }  // namespace voropack

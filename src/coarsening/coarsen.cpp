@@ -54,10 +54,10 @@ void check_options(const CoarseningOptions& options) {
 template <int D>
 class Coarsener {
  public:
-  Coarsener(const Mesh<D>& mesh, std::vector<LevelBoundary<D>> boundaries, const CoarseningOptions& options,
-            Observer& observer)
+  Coarsener(const Mesh<D>& mesh, MeshDomain<D> place, std::vector<LevelBoundary<D>> boundaries,
+            const CoarseningOptions& options, Observer& observer)
       : options_(options), observer_(observer), boundaries_(std::move(boundaries)) {
-    add_ground(mesh, {domain_of(mesh, observer), {}});
+    add_ground(mesh, {std::move(place), {}});
     for (const LevelBoundary<D>& boundary : boundaries_) add_ground(mesh, place_in_boundary(mesh, boundary));
     ground_ = grounds_.back().get();
     is_kept_.resize(mesh.points.size(), 0);
@@ -397,14 +397,27 @@ CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, const CoarseningOptions& opt
   return coarsen<D>(mesh, {}, options, observer);
 }
 
+/// What can be refused before anything is done with the boundary.
 template <int D>
-CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, std::vector<LevelBoundary<D>> boundaries,
-                               const CoarseningOptions& options, Observer& observer) {
+void check_input(const Mesh<D>& mesh, std::vector<LevelBoundary<D>>& boundaries, const CoarseningOptions& options) {
   check_options(options);
   std::ranges::stable_sort(boundaries, {}, &LevelBoundary<D>::level);
   check_boundaries(boundaries, options);
   require_delaunay(mesh);
-  return Coarsener<D>(mesh, std::move(boundaries), options, observer).run();
+}
+
+template <int D>
+CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, std::vector<LevelBoundary<D>> boundaries,
+                               const CoarseningOptions& options, Observer& observer) {
+  check_input(mesh, boundaries, options);
+  return Coarsener<D>(mesh, domain_of(mesh, observer), std::move(boundaries), options, observer).run();
+}
+
+template <int D>
+CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, MeshDomain<D> place, std::vector<LevelBoundary<D>> boundaries,
+                               const CoarseningOptions& options, Observer& observer) {
+  check_input(mesh, boundaries, options);
+  return Coarsener<D>(mesh, std::move(place), std::move(boundaries), options, observer).run();
 }
 
 template CoarseningHierarchy<2> coarsen(const Mesh<2>&, const CoarseningOptions&, Observer&);
@@ -413,5 +426,9 @@ template CoarseningHierarchy<2> coarsen(const Mesh<2>&, std::vector<LevelBoundar
                                         Observer&);
 template CoarseningHierarchy<3> coarsen(const Mesh<3>&, std::vector<LevelBoundary<3>>, const CoarseningOptions&,
                                         Observer&);
+template CoarseningHierarchy<2> coarsen(const Mesh<2>&, MeshDomain<2>, std::vector<LevelBoundary<2>>,
+                                        const CoarseningOptions&, Observer&);
+template CoarseningHierarchy<3> coarsen(const Mesh<3>&, MeshDomain<3>, std::vector<LevelBoundary<3>>,
+                                        const CoarseningOptions&, Observer&);
 
 }  // namespace voropack
