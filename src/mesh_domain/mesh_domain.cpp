@@ -25,7 +25,8 @@ class DomainMaker {
   explicit DomainMaker(const Mesh<D>& mesh) : mesh_(mesh) {
     Box<D> box;
     for (const Vec<D>& x : mesh.points) box.add(x);
-    complex_ = find_boundary_complex(mesh, absolute_tolerance(box, kOnTolerance));
+    tolerance_ = absolute_tolerance(box, kOnTolerance);
+    complex_ = find_boundary_complex(mesh, tolerance_);
   }
 
   MeshDomain<D> run(Observer& observer) {
@@ -40,7 +41,7 @@ class DomainMaker {
     options.merge_distance = 0;
     MeshDomain<D> result;
     result.domain = build_domain(input, options, observer);
-    check(result.domain);
+    take_coordinates(result.domain);
     find_carriers(result);
     return result;
   }
@@ -252,16 +253,21 @@ class DomainMaker {
       if (sum < 0) input.hole_seeds.push_back(seed.at(root).second);
   }
 
-  void check(const Domain<D>& domain) const {
+  /// Facets are flat up to the tolerance, so that the domain may have moved points by so much; vertices stay where they
+  /// are.
+  void take_coordinates(Domain<D>& domain) const {
     bool same = domain.points.size() == complex_.corners.size() && domain.segments.size() == complex_.chains.size() &&
                 (D == 2 || domain.facet_frame.size() == complex_.patches.size());
     for (std::size_t i = 0; same && i < complex_.corners.size(); ++i)
-      same = domain.points[PointId(i)] == mesh_.points[complex_.corners[i]];
+      same = distance(domain.points[PointId(i)], mesh_.points[complex_.corners[i]]) <= tolerance_;
     if (!same)
       throw InputError(Fault{.id = "mesh.boundary",
                              .message = "the boundary of the mesh is no piecewise linear system: polytopes of it touch "
                                         "or overlap without common vertices",
                              .fix = "make the mesh conform to its boundary; `voropack check` names the places"});
+    for (std::size_t i = 0; i < complex_.corners.size(); ++i)
+      domain.points[PointId(i)] = mesh_.points[complex_.corners[i]];
+    domain.merge.reset();
   }
 
   void find_carriers(MeshDomain<D>& result) const {
@@ -286,6 +292,7 @@ class DomainMaker {
   }
 
   const Mesh<D>& mesh_;
+  double tolerance_ = 0;  ///< How far vertices may be off a polytope that they are on.
   BoundaryComplex<D> complex_;
   std::map<VertexId, std::uint32_t> point_of_;  ///< Of the corners.
   std::map<std::array<VertexId, 2>, std::uint32_t> chain_of_edge_;

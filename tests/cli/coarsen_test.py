@@ -65,6 +65,23 @@ class Coarsen(CommandLineTest):
         self.assertLess(counts["mean"], counts["max"])
         self.assertLess(counts["max"], 400)
 
+    def test_the_domain_may_be_named(self):
+        self.succeed("coarsen", "fine.node", "--domain", "two.poly", "--levels", "2", "-o", "out", "--report",
+                     "report.json")
+        self.assertEqual(self.report()["options"]["domain"], "two.poly")
+        for k, level in enumerate(self.report()["levels"], 1):
+            self.assert_certified(level["certificate"])
+            self.succeed("check", f"out/level-{k}.node", "--domain", "two.poly")
+        self.succeed("refine", "fine.node", "--domain", "two.poly", "-o", "finer.node", "--quiet")
+        longer = two_boxes_poly()
+        for point in range(9, 13):
+            longer = longer.replace(f"\n{point} 2 ", f"\n{point} 3 ")
+        self.write("other.poly", longer)
+        for command in (["coarsen", "-o", "no"], ["refine", "-o", "no.node"]):
+            result = self.run_program(command[0], "fine.node", "--domain", "other.poly", *command[1:])
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("mesh.other_domain", result.stderr)
+
     def test_bad_options_are_refused(self):
         for bad in (["--growth", "1"], ["--levels", "0"], ["--lipschitz", "1"], ["--initial", "what"]):
             result = self.run_program("coarsen", "fine.node", "-o", "out", *bad)

@@ -52,6 +52,59 @@ void domains_come_back() {
           << c.name << ", vertex " << v.value();
   }
 }
+template <int D>
+void meshes_are_found_in_their_domains() {
+  for (const test::Case<D>& c : test::all_cases<D>()) {
+    SCOPED_TRACE(c.name);
+    MeshingOptions<D> options;
+    options.wishes.size = D == 2 ? 0.15 : 0.4;
+    const MeshingResult<D> made = make_mesh(c.input, options);
+    Mesh<D> bare = made.mesh;  // As most files tell it.
+    bare.vertex_carrier_dimension.clear();
+    const MeshDomain<D> told = place_in_domain(made.mesh, made.domain), found = place_in_domain(bare, made.domain);
+    EXPECT_EQ(told.domain.points, made.domain.points);
+    EXPECT_EQ(told.carrier, found.carrier);
+    EXPECT_EQ(told.segment_chains, found.segment_chains);
+    for (const VertexId v : ids(made.mesh.points))
+      EXPECT_EQ(told.carrier[v].dimension, made.mesh.vertex_carrier_dimension[v]) << "vertex " << v.value();
+  }
+}
+TEST(MeshDomain, MeshesAreFoundInTheirDomainsInThePlane) { meshes_are_found_in_their_domains<2>(); }
+TEST(MeshDomain, MeshesAreFoundInTheirDomainsInSpace) { meshes_are_found_in_their_domains<3>(); }
+
+TEST(MeshDomain, OtherDomainsAreRefused) {
+  const MeshingResult<3> made = make_mesh(domains::two_material_box<3>());
+  const auto expect_refused = [&](const Domain<3>& domain) {
+    try {
+      place_in_domain(made.mesh, domain);
+      ADD_FAILURE() << "not refused";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.faults().front().id, "mesh.other_domain");
+    }
+  };
+  expect_refused(build_domain(domains::unit_box<3>()));  // Other regions.
+  Domain<3> other_ids = made.domain;
+  other_ids.region_id[RegionId(0)] = 77;
+  expect_refused(other_ids);
+  Domain<3> moved = made.domain;  // As large as the mesh, but elsewhere.
+  for (Vec<3>& x : moved.points) x[0] += 1e-3;
+  expect_refused(moved);
+  EXPECT_NO_THROW(place_in_domain(made.mesh, moved, 2e-3));
+}
+
+TEST(MeshDomain, FacetsMayBeFlatUpToTheTolerance) {
+  MeshingResult<3> made = make_mesh(domains::unit_box<3>());
+  // As if the domain's corners had been rounded: no point may move, although their facets are not quite flat.
+  for (const VertexId v : ids(made.mesh.points))
+    if (made.mesh.vertex_carrier_dimension[v] == 0) made.mesh.points[v][2] += (v.value() % 2 == 0 ? 4e-10 : -4e-10);
+  const MeshDomain<3> found = domain_of(made.mesh);
+  EXPECT_EQ(found.domain.facet_frame.size(), 6U);
+  for (const VertexId v : ids(found.carrier))
+    if (found.carrier[v].dimension == 0) {
+      EXPECT_EQ(found.domain.points[PointId(found.carrier[v].index)], made.mesh.points[v]);
+    }
+}
+
 TEST(MeshDomain, DomainsComeBackInThePlane) { domains_come_back<2>(); }
 TEST(MeshDomain, DomainsComeBackInSpace) { domains_come_back<3>(); }
 
