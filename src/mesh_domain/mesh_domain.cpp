@@ -152,40 +152,60 @@ class DomainMaker {
 
   /// One seed in each part of the mesh that boundary faces enclose: in its largest simplex.
   void add_region_seeds(DomainInput<D>& input) const {
-    std::set<std::array<VertexId, D>> walls;
-    for (std::array<VertexId, D> face : mesh_.boundary_vertices) {
-      std::sort(face.begin(), face.end());
-      walls.insert(face);
-    }
-    std::vector<std::uint8_t> on_wall(mesh_.points.size(), 0);
-    for (const auto& face : mesh_.boundary_vertices)
-      for (const VertexId v : face) on_wall[v.value()] = 1;
-    const std::size_t n = mesh_.simplex_vertices.size();
-    DisjointSets parts(n);
-    parallel_for(n, [&](std::size_t number) {
-      const SimplexId s(number);
-      for (int i = 0; i <= D; ++i) {
-        const SimplexId t = mesh_.simplex_neighbors[s][static_cast<std::size_t>(i)];
-        if (t.is_none() || t < s || mesh_.simplex_region[s] != mesh_.simplex_region[t]) continue;
-        std::array<VertexId, D> face = face_vertices<D>(mesh_, s, i);
-        if (std::ranges::all_of(face, [&](VertexId v) { return on_wall[v.value()] != 0; })) {
-          std::sort(face.begin(), face.end());
-          if (walls.contains(face)) continue;
-        }
-        parts.join(s.value(), t.value());
-      }
-    });
-    for (const auto& [root, part] : largest_simplices(parts)) {
+    for (const auto& [root, part] : largest_simplices(find_parts())) {
       Vec<D> center;
       for (const VertexId v : mesh_.simplex_vertices[part.second]) center += mesh_.points[v] / (D + 1.0);
       input.region_seeds.push_back({center, mesh_.simplex_region[part.second], std::nullopt});
     }
   }
 
+  /// For each simplex the smallest one of its part.
+  [[nodiscard]] std::vector<std::uint32_t> find_parts() const {
+    std::set<std::array<VertexId, D>> walls;
+    std::vector<std::uint8_t> on_wall(mesh_.points.size(), 0);
+    for (std::array<VertexId, D> face : mesh_.boundary_vertices) {
+      for (const VertexId v : face) on_wall[v.value()] = 1;
+      std::sort(face.begin(), face.end());
+      walls.insert(face);
+    }
+    const auto are_joined = [&](SimplexId s, int i) {
+      const SimplexId t = mesh_.simplex_neighbors[s][static_cast<std::size_t>(i)];
+      if (mesh_.simplex_region[s] != mesh_.simplex_region[t]) return false;
+      std::array<VertexId, D> face = face_vertices<D>(mesh_, s, i);
+      if (std::ranges::any_of(face, [&](VertexId v) { return on_wall[v.value()] == 0; })) return true;
+      std::sort(face.begin(), face.end());
+      return !walls.contains(face);
+    };
+    // From each simplex to its smallest neighbor, and on: most of a part comes together so, and its smallest member is
+    // one of the few at which these paths end.
+    const std::size_t n = mesh_.simplex_vertices.size();
+    std::vector<std::uint32_t> part(n);
+    parallel_for(n, [&](std::size_t number) {
+      const SimplexId s(number);
+      part[number] = s.value();
+      for (int i = 0; i <= D; ++i) {
+        const SimplexId t = mesh_.simplex_neighbors[s][static_cast<std::size_t>(i)];
+        if (!t.is_none() && t.value() < part[number] && are_joined(s, i)) part[number] = t.value();
+      }
+    });
+    for (std::size_t s = 0; s < n; ++s) part[s] = part[part[s]];
+    DisjointSets sets(n);
+    parallel_for(n, [&](std::size_t number) {
+      const SimplexId s(number);
+      for (int i = 0; i <= D; ++i) {
+        const SimplexId t = mesh_.simplex_neighbors[s][static_cast<std::size_t>(i)];
+        if (!t.is_none() && t < s && part[number] != part[t.value()] && are_joined(s, i))
+          sets.join(part[number], part[t.value()]);
+      }
+    });
+    parallel_for(n, [&](std::size_t s) { part[s] = sets.find(part[s]); });
+    return part;
+  }
+
   using LargestSimplices = std::map<std::uint32_t, std::pair<double, SimplexId>>;
 
-  /// The largest simplex of each part, the first one of several; by the part's root.
-  [[nodiscard]] LargestSimplices largest_simplices(DisjointSets& parts) const {
+  /// The largest simplex of each part, the first one of several.
+  [[nodiscard]] LargestSimplices largest_simplices(const std::vector<std::uint32_t>& part) const {
     const auto take = [](LargestSimplices& largest, std::uint32_t root, double size, SimplexId s) {
       auto& [most, best] = largest[root];
       if (best.is_none() || size > most) most = size, best = s;
@@ -194,12 +214,11 @@ class DomainMaker {
         mesh_.simplex_vertices.size(), 65536, LargestSimplices{},
         [&](std::size_t begin, std::size_t end) {
           LargestSimplices largest;
-          for (std::size_t s = begin; s < end; ++s)
-            take(largest, parts.find(static_cast<std::uint32_t>(s)), measure(SimplexId(s)), SimplexId(s));
+          for (std::size_t s = begin; s < end; ++s) take(largest, part[s], measure(SimplexId(s)), SimplexId(s));
           return largest;
         },
         [&](LargestSimplices all, const LargestSimplices& some) {
-          for (const auto& [root, part] : some) take(all, root, part.first, part.second);
+          for (const auto& [root, best] : some) take(all, root, best.first, best.second);
           return all;
         });
   }
