@@ -73,7 +73,7 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build/bench"))
     parser.add_argument("--dimensions", type=int, nargs="+", default=[2, 3])
     parser.add_argument("--unknowns", type=int, default=1_000_000, help="about")
-    parser.add_argument("--growth", type=float, default=2)
+    parser.add_argument("--growth", type=float, default=2.5)
     parser.add_argument("--loads", type=int, default=10)
     parser.add_argument("--threads", type=int, default=1, help="threads of ours, ranks of the peer")
     parser.add_argument("--json", type=pathlib.Path)

@@ -2,7 +2,7 @@
 // contraction, beside conjugate gradients with incomplete Cholesky. bench/peers/boomer_amg.cpp solves the same systems,
 // and bench/multigrid.py puts both into one table. Levels end at some 2000 vertices, as in `voropack solve`.
 //
-// Usage: multigrid DIMENSION [n_vertices = 100000] [growth = 2] [right conductivity = 1] [n_loads = 1] [threads = 0]
+// Usage: multigrid DIMENSION [n_vertices = 100000] [growth = 2.5] [right conductivity = 1] [n_loads = 1] [threads = 0]
 //                  [FILE for boomer_amg] [only = 0]
 // With a right conductivity other than 1 the box has two materials. With only = 1 nothing is run but control volumes
 // with symmetric Gauss-Seidel.
@@ -29,7 +29,7 @@ namespace {
 
 struct Settings {
   double n_vertices = 1e5;
-  double growth = 2;
+  double growth = 2.5;
   double right = 1;
   int n_loads = 1;
   std::string file;
@@ -184,7 +184,7 @@ int main(int argc, char** argv) {
   mallopt(M_TRIM_THRESHOLD, -1);
   const auto number = [&](int i, double otherwise) { return argc > i ? std::atof(argv[i]) : otherwise; };
   const voropack::Settings settings{.n_vertices = number(2, 1e5),
-                                    .growth = number(3, 2),
+                                    .growth = number(3, 2.5),
                                     .right = number(4, 1),
                                     .n_loads = static_cast<int>(number(5, 1)),
                                     .file = argc > 7 ? argv[7] : "",
