@@ -167,7 +167,7 @@ ExitCode solve_on_domain(const Case& given, const DomainInput<D>& input, const S
   setting.mesh = std::move(result.mesh);
   setting.domain = std::move(result.domain);
   setting.volumes = std::move(result.volumes);
-  return finish_case(setting, &result.domain, arguments, staged, report, std::move(text), session);
+  return finish_case(setting, &*setting.domain, arguments, staged, report, std::move(text), session);
 }
 
 /// Files named on the command line take the place of those in the case.

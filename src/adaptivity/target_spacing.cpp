@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "adaptivity/cell_neighbors.h"
-#include "coarsening/fine_mesh.h"
+#include "mesh/edge_graph.h"
 #include "voropack/adaptivity.h"
 #include "voropack/error.h"
 #include "voropack/refinement.h"
@@ -125,12 +125,12 @@ Spacing<D> adapted_spacing(const Mesh<D>& mesh, const Domain<D>& domain, const C
                            const SizeWishes<D>& wishes, const SpacingOptions& spacing_options,
                            const PackingOptions& packing, Observer& observer) {
   const IdVector<VertexId, double> before = spacing_at_vertices(mesh, spacing_options.gradation);
-  const Csr<VertexId, VertexId> neighbors = vertex_neighbors(mesh);
+  const EdgeGraph edges = build_edge_graph(mesh);
   TargetOptions target = options;
   double last = 0;
   for (int trial = 1;; ++trial) {
     VertexValues f = target_spacing(volumes, derivatives, before, target);
-    make_lipschitz(mesh, neighbors, kEdgeSlope * spacing_options.gradation, f);
+    make_lipschitz(edges, kEdgeSlope * spacing_options.gradation, f);
     Spacing<D> spacing = spacing_through(mesh, domain, std::move(f), wishes, spacing_options, observer);
     const double excess = estimate_sphere_count(domain, spacing, packing) / options.n_vertices;
     // Where the count no longer follows, the domain's features or the user's sizes decide it.
