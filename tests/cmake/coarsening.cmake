@@ -1,3 +1,4 @@
+voropack_test(edge_graph_test unit/edge_graph_test.cpp)
 voropack_test(mesh_domain_test unit/mesh_domain_test.cpp)
 voropack_test(coarsening_test property/coarsening_test.cpp)
 voropack_test(beyond_boundary_test property/beyond_boundary_test.cpp)
