@@ -195,7 +195,7 @@ class Mesher {
       observer.begin_stage("delaunay");
       return {triangulate(domain_, std::move(packing), observer), std::move(capped), n_repairs, {}};
     }
-    RefinedMesh<D> refined = refine(setting.mesh, domain_of(setting.mesh, observer), spacing,
+    RefinedMesh<D> refined = refine(setting.mesh, place_in_domain(setting.mesh, domain_, 0, observer), spacing,
                                     {.packing = options_.packing, .keep_all = keeps_all()}, observer);
     return {std::move(refined.mesh), with_caps(refined.repairs), refined.repairs.size(), refined.n_kept};
   }

@@ -11,6 +11,7 @@
 #include "coarsening/prolongation.h"
 #include "voropack/dual.h"
 #include "voropack/error.h"
+#include "voropack/norms.h"
 #include "voropack/refinement.h"
 
 namespace voropack {
@@ -45,12 +46,14 @@ std::map<int, RegionContent> contents(const ControlVolumes<D>& volumes, const Id
   return result;
 }
 
-/// [n_vertices] true for vertices whose control volume lies in one region.
+/// [n_vertices] true for vertices inside the domain whose control volume lies in one region. Values on the boundary may
+/// be given by conditions.
 template <int D>
-IdVector<VertexId, std::uint8_t> find_single_cells(const ControlVolumes<D>& volumes) {
-  IdVector<VertexId, std::uint8_t> count(volumes.sites.size(), 0);
+VertexFlags find_inside(const Mesh<D>& mesh, const ControlVolumes<D>& volumes) {
+  const VertexFlags on_hull = find_hull_vertices(mesh);
+  VertexFlags count(volumes.sites.size(), 0);
   for (const VertexId v : volumes.cell_vertex) count[v] = count[v] == 0 ? 1 : 2;
-  for (std::uint8_t& n : count) n = n == 1 ? 1 : 0;
+  for (const VertexId v : ids(count)) count[v] = count[v] == 1 && on_hull[v] == 0 ? 1 : 0;
   return count;
 }
 
@@ -59,7 +62,7 @@ void conserve(const Mesh<D>& from, const IdVector<VertexId, double>& before, con
               const IdVector<VertexId, VertexId>& old_vertex, IdVector<VertexId, double>& values) {
   const auto wanted = contents(build_control_volumes(from), before, [](VertexId) { return false; });
   const ControlVolumes<D> volumes = build_control_volumes(to);
-  const auto inside = find_single_cells(volumes);
+  const auto inside = find_inside(to, volumes);
   const auto is_new = [&](VertexId v) { return inside[v] != 0 && old_vertex[v].is_none(); };
   const auto among_new = contents(volumes, values, is_new);
   const auto among_all = contents(volumes, values, [&](VertexId v) { return inside[v] != 0; });
