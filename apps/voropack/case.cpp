@@ -125,6 +125,18 @@ void read_linear(CaseTable& file, Case& result) {
       table->take_choice("preconditioner", {"automatic", "multigrid", "incomplete-cholesky", "diagonal"}));
   set(linear.tolerance, table->take_positive("tolerance", 0.1));
   set(linear.max_iterations, table->take_whole("max_iterations", 1, kMaxIterations));
+  result.levels = table->take_paths("levels");
+  if (!result.levels.empty()) {
+    if (!result.mesh)
+      file.faults().add("case.contradiction", table->key_place("levels"),
+                        "linear.levels are given, and the mesh is still to be made",
+                        "name the mesh that they belong to under [mesh], or leave them out.");
+    if (result.preconditioner == CasePreconditioner::kAutomatic) result.preconditioner = CasePreconditioner::kMultigrid;
+    if (result.preconditioner != CasePreconditioner::kMultigrid)
+      file.faults().add("case.contradiction", table->key_place("levels"),
+                        "linear.levels are given, and the preconditioner is not multigrid",
+                        "leave out one of the two.");
+  }
   table->finish();
 }
 

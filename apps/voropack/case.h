@@ -92,6 +92,7 @@ struct Case {
   NewtonOptions newton;          ///< Its `linear` holds for linear problems as well.
   std::optional<CaseCoefficient> newton_initial;
   CasePreconditioner preconditioner = CasePreconditioner::kAutomatic;
+  std::vector<std::filesystem::path> levels;  ///< Coarser meshes for multigrid, the finest first; none: it makes them.
   CaseOutputs outputs;
 };
 

@@ -229,6 +229,20 @@ std::optional<fs::path> CaseTable::take_path(const std::string& key) {
   return faults_.file().parent_path() / *text;
 }
 
+std::vector<fs::path> CaseTable::take_paths(const std::string& key) {
+  std::vector<fs::path> paths;
+  const CaseValue* const value = take(key);
+  if (value == nullptr) return paths;
+  const auto is_text = [](const CaseValue& item) { return item.kind == CaseValue::Kind::kText; };
+  if (value->kind != CaseValue::Kind::kArray || value->items.empty() ||
+      !std::all_of(value->items.begin(), value->items.end(), is_text)) {
+    refuse(key, *value, "an array of files, such as [\"coarse.vtu\"]");
+    return paths;
+  }
+  for (const CaseValue& item : value->items) paths.push_back(faults_.file().parent_path() / item.text);
+  return paths;
+}
+
 void CaseTable::miss(const std::string& key, const std::string& example) {
   faults_.add("case.missing_key", place(),
               name_.empty() ? fmt::format("{} is missing", key) : fmt::format("[{}] has no {}", name_, key),

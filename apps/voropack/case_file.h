@@ -78,6 +78,8 @@ class CaseTable {
   std::optional<std::size_t> take_choice(const std::string& key, const std::vector<std::string>& names);
   /// A path, relative to the folder of the case file.
   std::optional<std::filesystem::path> take_path(const std::string& key);
+  /// An array of paths; empty if the key is not there.
+  std::vector<std::filesystem::path> take_paths(const std::string& key);
 
   /// The keys of the table, in order; take what is wanted.
   [[nodiscard]] const std::vector<std::string>& keys() const { return value_.keys; }

@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "print.h"
@@ -89,14 +88,15 @@ bool is_trusted(const Mesh<D>& mesh) {
 std::optional<double> wish_next(const AdaptiveWishes& wishes, AdaptiveFigures& figures, int dimension) {
   const AdaptiveCycle& last = figures.cycles.back();
   const auto n = static_cast<double>(last.n_vertices);
-  const auto stop = [&](const char* why) {
+  const auto stop = [&](AdaptiveEnd why) {
     figures.end = why;
     return std::nullopt;
   };
-  if (last.is_trusted && last.estimate == 0) return stop("no_error");
-  if (wishes.tolerance && last.is_trusted && last.estimate <= *wishes.tolerance) return stop("tolerance");
-  if (wishes.max_vertices && n * kLeastGrowth > static_cast<double>(*wishes.max_vertices)) return stop("max_vertices");
-  if (static_cast<int>(figures.cycles.size()) > wishes.max_cycles) return stop("max_cycles");
+  if (last.is_trusted && last.estimate == 0) return stop(AdaptiveEnd::kNoError);
+  if (wishes.tolerance && last.is_trusted && last.estimate <= *wishes.tolerance) return stop(AdaptiveEnd::kTolerance);
+  if (wishes.max_vertices && n * kLeastGrowth > static_cast<double>(*wishes.max_vertices))
+    return stop(AdaptiveEnd::kMaxVertices);
+  if (static_cast<int>(figures.cycles.size()) > wishes.max_cycles) return stop(AdaptiveEnd::kMaxCycles);
   // Errors fall at least like h, on lattices up to like h^2.
   double wanted = wishes.growth * n;
   if (wishes.tolerance && last.is_trusted)
@@ -253,6 +253,9 @@ void check_adaptive(const AdaptiveWishes& wishes, const Case& given) {
   if (given.method == CaseMethod::kFiniteElements)
     refuse("cli.contradiction", "--adapt is given, and the method is \"fem\": errors are estimated for control volumes",
            "set method = \"cvm\".");
+  if (!given.levels.empty())
+    refuse("cli.contradiction", "--adapt is given, and linear.levels belong to a mesh that will be replaced",
+           "leave out linear.levels.");
   std::vector<const CaseCoefficient*> coefficients = {&given.conductivity, &given.reaction, &given.source,
                                                       &given.capacity};
   if (given.newton_initial) coefficients.push_back(&*given.newton_initial);
@@ -277,18 +280,40 @@ void check_adaptive(const AdaptiveWishes& wishes, const Case& given) {
 
 namespace {
 
+struct EndDescription {
+  const char* name;  ///< In the report.
+  const char* words;
+  ExitCode code = ExitCode::kDone;
+};
+
+EndDescription description(AdaptiveEnd end) {
+  switch (end) {
+    case AdaptiveEnd::kTolerance:
+      return {"tolerance", "the tolerance is met"};
+    case AdaptiveEnd::kNoError:
+      return {"no_error", "no more: nothing is left to be estimated"};
+    case AdaptiveEnd::kMaxVertices:
+      return {"max_vertices", "no more: --max-vertices"};
+    case AdaptiveEnd::kMaxCycles:
+      return {"max_cycles", "no more: --cycles"};
+    case AdaptiveEnd::kNoFinerMesh:
+      return {"no_finer_mesh", "no more: no mesh would be finer"};
+    case AdaptiveEnd::kField:
+      return {"field", "the mesh follows the field"};
+    case AdaptiveEnd::kNoMeshForField:
+      return {"no_mesh_for_field", "no mesh follows the field with so few vertices", ExitCode::kLimit};
+    case AdaptiveEnd::kNotCertified:
+      return {"not_certified", "no more: the next mesh is not certified", ExitCode::kCheckFailed};
+    case AdaptiveEnd::kLimit:
+      return {"limit", "no more: a limit", ExitCode::kLimit};
+    case AdaptiveEnd::kNotConverged:
+      return {"not_converged", "no more: no convergence", ExitCode::kNotConverged};
+  }
+  return {};
+}
+
 std::string end_in_words(const AdaptiveFigures& figures) {
-  static const std::map<std::string, std::string> words = {
-      {"tolerance", "the tolerance is met"},
-      {"no_error", "no more: nothing is left to be estimated"},
-      {"max_vertices", "no more: --max-vertices"},
-      {"max_cycles", "no more: --cycles"},
-      {"no_finer_mesh", "no more: no mesh would be finer"},
-      {"not_certified", "no more: the next mesh is not certified"},
-      {"field", "the mesh follows the field"},
-      {"no_mesh_for_field", "no mesh follows the field with so few vertices"}};
-  const auto found = words.find(figures.end);
-  return found != words.end() ? found->second : "no more: " + figures.reason;
+  return figures.reason.empty() ? description(figures.end).words : "no more: " + figures.reason;
 }
 
 }  // namespace
@@ -351,7 +376,7 @@ Json options_json(const AdaptiveWishes& wishes) {
 
 Json adaptive_json(const AdaptiveFigures& figures) {
   Json json;
-  json["end"] = figures.end;
+  json["end"] = description(figures.end).name;
   if (!figures.reason.empty()) json["reason"] = figures.reason;
   if (!figures.not_estimated.empty()) json["not_estimated"] = figures.not_estimated;
   json["cycles"] = Json::array();
@@ -371,6 +396,12 @@ Json adaptive_json(const AdaptiveFigures& figures) {
     json["cycles"].push_back(std::move(row));
   }
   return json;
+}
+
+ExitCode adaptive_exit_code(const AdaptiveFigures& figures, const AdaptiveWishes& wishes) {
+  const ExitCode code = description(figures.end).code;
+  const bool is_met = figures.end == AdaptiveEnd::kTolerance || figures.end == AdaptiveEnd::kNoError;
+  return code == ExitCode::kDone && wishes.tolerance && !is_met ? ExitCode::kNotConverged : code;
 }
 
 namespace {
@@ -437,16 +468,17 @@ Solved<D> solve_adaptively(Setting<D>& setting, const Domain<D>& domain, const A
     else if (figures.cycles.size() == 1)
       wanted = static_cast<double>(*wishes.max_vertices);
     else
-      figures.end = "field";
+      figures.end = AdaptiveEnd::kField;
     if (!wanted) return solved;
     // What cannot be made or solved leaves what was there before.
     try {
       const auto start = std::chrono::steady_clock::now();
       std::optional<NextMesh<D>> next = make_next(setting, derivatives, *wanted, report.times);
-      figures.end = !next ? (wishes.max_vertices ? "max_vertices" : "no_finer_mesh")
-                          : (next->certificate.ok ? "" : "not_certified");
-      if (!figures.end.empty()) {
-        if (follows_field) figures.end = next ? "not_certified" : "no_mesh_for_field";
+      if (!next || !next->certificate.ok) {
+        figures.end = next                  ? AdaptiveEnd::kNotCertified
+                      : follows_field       ? AdaptiveEnd::kNoMeshForField
+                      : wishes.max_vertices ? AdaptiveEnd::kMaxVertices
+                                            : AdaptiveEnd::kNoFinerMesh;
         return solved;
       }
       AdaptiveCycle cycle{.n_kept = next->n_kept, .is_certified = true, .seconds = seconds_since(start)};
@@ -464,11 +496,11 @@ Solved<D> solve_adaptively(Setting<D>& setting, const Domain<D>& domain, const A
       figures.cycles.push_back(cycle);
       on_cycle(figures.cycles.size() - 1, solved.arrays);
     } catch (const LimitError& error) {
-      figures.end = "limit";
+      figures.end = AdaptiveEnd::kLimit;
       figures.reason = error.what();
       return solved;
     } catch (const NumericalError& error) {
-      figures.end = "not_converged";
+      figures.end = AdaptiveEnd::kNotConverged;
       figures.reason = error.what();
       return solved;
     }

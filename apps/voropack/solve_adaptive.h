@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "command.h"
+#include "exit_code.h"
 #include "meshing.h"
 #include "solve_case.h"
 #include "voropack/adaptivity.h"
@@ -47,9 +48,23 @@ struct AdaptiveCycle {
   double seconds = 0;                  ///< To mesh, solve and estimate.
 };
 
+/// Why there are no more meshes. docs/case.md has their names in the report.
+enum class AdaptiveEnd : std::uint8_t {
+  kTolerance,
+  kNoError,  ///< Nothing is left to be estimated.
+  kMaxVertices,
+  kMaxCycles,
+  kNoFinerMesh,
+  kField,           ///< There is a mesh that follows the field.
+  kNoMeshForField,  ///< With so few vertices there is none.
+  kNotCertified,    ///< The next mesh is not.
+  kLimit,           ///< The next mesh met one.
+  kNotConverged,    ///< The solution on the next mesh has not.
+};
+
 struct AdaptiveFigures {
   std::vector<AdaptiveCycle> cycles;
-  std::string end;                         ///< Why there are no more, as in docs/case.md.
+  AdaptiveEnd end = AdaptiveEnd::kMaxCycles;
   std::string reason;                      ///< The message of what failed, if that is why.
   std::vector<std::string> not_estimated;  ///< What the case has that estimates do not see.
 };
@@ -58,6 +73,8 @@ struct AdaptiveFigures {
 std::vector<std::string> left_out_of_estimate(const Case& given);
 std::string adaptive_table(const AdaptiveFigures& figures);
 Json adaptive_json(const AdaptiveFigures& figures);
+/// A tolerance that was asked for and not met is no convergence, whatever it was that ended the run.
+ExitCode adaptive_exit_code(const AdaptiveFigures& figures, const AdaptiveWishes& wishes);
 
 /// Solves on the mesh of `setting`, which is of `domain`, and on meshes that take its place there, until one of the
 /// wishes is met. What is reported of a mesh is that of the last one. on_cycle is called after each solution.

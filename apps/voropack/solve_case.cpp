@@ -220,7 +220,8 @@ Solved<D> solve_case(const Setting<D>& setting, const StateCallback<D>& on_state
   SolveFigures& figures = result.figures;
   figures.method = setting.given.method;
   const double end = setting.given.time ? setting.given.time->options.end : 0;
-  MultigridMaker<D> multigrid(setting.mesh, setting.domain, setting.given, observer);
+  MultigridMaker<D> multigrid = blame_case(
+      setting.given.file, [&] { return MultigridMaker<D>(setting.mesh, setting.domain, setting.given, observer); });
   const NewtonOptions options = solver_options(setting.given, multigrid);
   IdVector<VertexId, double> values = blame_case(setting.given.file, [&] {
     return setting.given.time ? solve_in_time(setting, options, on_state, figures, observer)

@@ -111,14 +111,7 @@ ExitCode finish_case(Setting<D>& setting, const Domain<D>* domain, const SolveAr
   if (arguments.adaptive.is_wished) {
     (*report.solve)["adaptivity"] = adaptive_json(adaptive);
     text += adaptive_table(adaptive) + '\n';
-    if (adaptive.end == "limit" || adaptive.end == "no_mesh_for_field")
-      code = ExitCode::kLimit;
-    else if (adaptive.end == "not_converged")
-      code = ExitCode::kNotConverged;
-    else if (adaptive.end == "not_certified")
-      code = ExitCode::kCheckFailed;
-    else if (arguments.adaptive.tolerance && adaptive.end != "tolerance" && adaptive.end != "no_error")
-      code = ExitCode::kNotConverged;
+    code = adaptive_exit_code(adaptive, arguments.adaptive);
   }
   text += count_table(*report.quality) + '\n';
   text += solve_tables(solved.figures) + timing_line(report.times) + output_lines(staged, writer.n_states());
@@ -181,6 +174,7 @@ void protect_inputs(const Case& given, const OutputSet& outputs) {
   outputs.protect(given.file);
   for (const std::optional<fs::path>& input : {given.mesh, given.domain, given.wishes.size_field})
     if (input) outputs.protect(*input);
+  for (const fs::path& level : given.levels) outputs.protect(level);
   std::vector<const CaseCoefficient*> coefficients = {&given.conductivity, &given.reaction, &given.source,
                                                       &given.capacity};
   if (given.time) coefficients.push_back(&given.time->initial);

@@ -1,12 +1,16 @@
 #include "solve_multigrid.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <variant>
 
-#include "voropack/coarsening.h"
 #include "voropack/error.h"
+#include "voropack/io.h"
 #include "voropack/mesh_domain.h"
+#include "voropack/refinement.h"
 
 namespace voropack::app {
 
@@ -56,15 +60,46 @@ bool MultigridMaker<D>::is_wanted(const LinearSystem& system) const {
 }
 
 template <int D>
+MultigridMaker<D>::MultigridMaker(const Mesh<D>& mesh, const std::optional<Domain<D>>& domain, const Case& given,
+                                  Observer& observer)
+    : mesh_(mesh), domain_(domain), given_(given), observer_(observer) {
+  if (!given_.levels.empty()) read_levels();
+}
+
+template <int D>
+void MultigridMaker<D>::keep(std::vector<CoarseLevel<D>> levels) {
+  for (CoarseLevel<D>& level : levels)
+    levels_.push_back({std::move(level.prolongation), std::move(level.finest_vertex)});
+}
+
+template <int D>
+void MultigridMaker<D>::read_levels() {
+  has_levels_ = true;
+  observer_.begin_stage("read");
+  StopObserver stop(observer_);
+  std::vector<Mesh<D>> meshes;
+  for (const std::filesystem::path& file : given_.levels) {
+    AnyMesh any = read_mesh(file, stop);
+    auto* const mesh = std::get_if<Mesh<D>>(&any);
+    if (mesh == nullptr)
+      throw InputError(Fault{.id = "case.contradiction",
+                             .message = fmt::format("a level for multigrid has to be a {}D mesh, as the case's is", D),
+                             .fix = "name meshes with some of the vertices of the case's mesh.",
+                             .file = file.string()});
+    meshes.push_back(std::move(*mesh));
+  }
+  keep(nested_levels(mesh_, std::move(meshes)));
+}
+
+template <int D>
 void MultigridMaker<D>::make_levels() {
-  is_coarsened_ = true;
+  has_levels_ = true;
   observer_.begin_stage("coarsen");
   StopObserver stop(observer_);
   MeshDomain<D> place = domain_ ? place_in_domain(mesh_, *domain_, 0, stop) : domain_of(mesh_, stop);
   CoarseningHierarchy<D> hierarchy =
       coarsen(mesh_, std::move(place), {}, coarsening_options<D>(mesh_.points.size()), stop);
-  for (CoarseLevel<D>& level : hierarchy.levels)
-    levels_.push_back({std::move(level.prolongation), std::move(level.finest_vertex)});
+  keep(std::move(hierarchy.levels));
   if (levels_.empty())
     throw InputError(Fault{.id = "case.no_coarser_mesh",
                            .message = "the boundary of the mesh allows no coarser one",
@@ -84,7 +119,7 @@ std::shared_ptr<const Preconditioner> MultigridMaker<D>::operator()(const Linear
     return nullptr;
   };
   try {
-    if (!is_coarsened_) make_levels();
+    if (!has_levels_) make_levels();
     if (levels_.empty()) return nullptr;
     observer_.begin_stage("multigrid");
     std::vector<MultigridLevel> views;

@@ -1,4 +1,5 @@
-// Multigrid for a case: coarser meshes of the case's own mesh, made when the first matrix needs them.
+// Multigrid for a case: the coarser meshes that it names, or such of its own mesh, made when the first matrix needs
+// them.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "case.h"
+#include "voropack/coarsening.h"
 #include "voropack/domain.h"
 #include "voropack/mesh.h"
 #include "voropack/multigrid.h"
@@ -26,9 +28,8 @@ template <int D>
 class MultigridMaker {
  public:
   /// `domain` is what the mesh was made of, where that is known; else its boundary tells. All have to stay where they
-  /// are.
-  MultigridMaker(const Mesh<D>& mesh, const std::optional<Domain<D>>& domain, const Case& given, Observer& observer)
-      : mesh_(mesh), domain_(domain), given_(given), observer_(observer) {}
+  /// are. Throws: InputError if levels are named and cannot be read, case.contradiction, refine.not_nested.
+  MultigridMaker(const Mesh<D>& mesh, const std::optional<Domain<D>>& domain, const Case& given, Observer& observer);
 
   /// Nothing where another preconditioner is wanted, does better, or has to do.
   std::shared_ptr<const Preconditioner> operator()(const LinearSystem& system);
@@ -41,14 +42,16 @@ class MultigridMaker {
     IdVector<VertexId, VertexId> finest_vertex;
   };
   [[nodiscard]] bool is_wanted(const LinearSystem& system) const;
+  void read_levels();
   void make_levels();
+  void keep(std::vector<CoarseLevel<D>> levels);
 
   const Mesh<D>& mesh_;
   const std::optional<Domain<D>>& domain_;
   const Case& given_;
   Observer& observer_;
   std::vector<Level> levels_;
-  bool is_coarsened_ = false;
+  bool has_levels_ = false;  ///< Or none can be had.
   MultigridFigures figures_;
 };
 

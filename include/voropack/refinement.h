@@ -70,11 +70,11 @@ RefinedMesh<D> refine(const Mesh<D>& mesh, const MeshDomain<D>& place, const Spa
 template <int D>
 IdVector<VertexId, VertexId> same_vertices(const Mesh<D>& from, const Mesh<D>& to);
 
-/// Meshes made by refining one after the other, the finest first, as a hierarchy for multigrid: all but the first are
-/// its levels, whose vertices have to be among those of the mesh before.
+/// Coarser meshes of the same domain, the finest of them first, as levels for multigrid: what `finest` was refined
+/// from, mesh by mesh, or what it was coarsened to. The vertices of each have to be among those of the mesh before.
 /// Throws: InputError refine.not_nested, with the vertex.
 template <int D>
-CoarseningHierarchy<D> nested_hierarchy(const Domain<D>& domain, const std::vector<Mesh<D>>& meshes);
+std::vector<CoarseLevel<D>> nested_levels(const Mesh<D>& finest, std::vector<Mesh<D>> coarser);
 
 struct TransferOptions {
   /// Shifts the values of new vertices inside each region, so that the integral over its control volumes stays; where a

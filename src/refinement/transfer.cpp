@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <unordered_map>
+#include <utility>
 
 #include "base/parallel.h"
 #include "base/random.h"
@@ -104,23 +105,26 @@ IdVector<VertexId, VertexId> same_vertices(const Mesh<D>& from, const Mesh<D>& t
 }
 
 template <int D>
-CoarseningHierarchy<D> nested_hierarchy(const Domain<D>& domain, const std::vector<Mesh<D>>& meshes) {
-  CoarseningHierarchy<D> hierarchy;
-  hierarchy.domain = domain;
-  for (std::size_t k = 1; k < meshes.size(); ++k) {
+std::vector<CoarseLevel<D>> nested_levels(const Mesh<D>& finest, std::vector<Mesh<D>> coarser) {
+  std::vector<CoarseLevel<D>> levels;
+  levels.reserve(coarser.size());  // Each is linked to the one before by its address.
+  for (std::size_t k = 0; k < coarser.size(); ++k) {
+    const CoarseLevel<D>* const finer = k == 0 ? nullptr : &levels.back();
     CoarseLevel<D> level;
-    level.mesh = meshes[k];
-    level.finest_vertex = same_vertices(meshes[0], meshes[k]);
-    for (const VertexId v : ids(level.finest_vertex))
-      if (level.finest_vertex[v].is_none())
-        throw InputError(Fault{.id = "refine.not_nested",
-                               .message = fmt::format("vertex {} of mesh {} is not in the finest mesh", v.value(), k),
-                               .fix = "give meshes that were refined with all vertices kept, the finest first",
-                               .position = {level.mesh.points[v].coord.begin(), level.mesh.points[v].coord.end()}});
-    link_level(meshes[0], hierarchy.levels.empty() ? nullptr : &hierarchy.levels.back(), level);
-    hierarchy.levels.push_back(std::move(level));
+    level.mesh = std::move(coarser[k]);
+    level.finest_vertex = same_vertices(finest, level.mesh);
+    const auto in_finer = finer == nullptr ? level.finest_vertex : same_vertices(finer->mesh, level.mesh);
+    for (const VertexId v : ids(in_finer))
+      if (in_finer[v].is_none() || level.finest_vertex[v].is_none())
+        throw InputError(
+            Fault{.id = "refine.not_nested",
+                  .message = fmt::format("vertex {} of coarse mesh {} is not in the next finer mesh", v.value(), k + 1),
+                  .fix = "give meshes that were refined with all vertices kept, or coarsened, the finest first",
+                  .position = {level.mesh.points[v].coord.begin(), level.mesh.points[v].coord.end()}});
+    link_level(finest, finer, level);
+    levels.push_back(std::move(level));
   }
-  return hierarchy;
+  return levels;
 }
 
 template <int D>
@@ -146,7 +150,7 @@ IdVector<VertexId, double> transfer(const Mesh<D>& from, const IdVector<VertexId
 
 #define VOROPACK_INSTANTIATE(D)                                                                                   \
   template IdVector<VertexId, VertexId> same_vertices(const Mesh<D>&, const Mesh<D>&);                            \
-  template CoarseningHierarchy<D> nested_hierarchy(const Domain<D>&, const std::vector<Mesh<D>>&);                \
+  template std::vector<CoarseLevel<D>> nested_levels(const Mesh<D>&, std::vector<Mesh<D>>);                       \
   template IdVector<VertexId, double> transfer(const Mesh<D>&, const IdVector<VertexId, double>&, const Mesh<D>&, \
                                                const TransferOptions&);
 VOROPACK_INSTANTIATE(2)

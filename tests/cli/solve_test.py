@@ -296,6 +296,34 @@ class MultigridCases(SolveTest):
                 for end in ("min", "max"):
                     self.assertAlmostEqual(figures["solution"][end], plain["solution"][end], places=6)
 
+    def test_it_takes_levels_of_the_users_own(self):
+        left, right, size = self.DOMAINS["halves.poly"]
+        self.succeed("mesh", "halves.poly", "-o", "coarse.vtu", "--size", str(size))
+        self.succeed("refine", "coarse.vtu", "-o", "refined.vtu")
+        self.succeed("coarsen", "coarse.vtu", "--levels", "1", "-o", "coarser")
+        text = ('[mesh]\nfile = "refined.vtu"\n' + self.PROBLEMS["jumps"].format(left=left, right=right, jump=1e6) +
+                '[linear]\nmethod = "conjugate-gradients"\nLINES\n')
+        plain = self.solve(text.replace("LINES", 'preconditioner = "incomplete-cholesky"'), domain=None)
+        figures = self.solve(text.replace("LINES", 'levels = ["coarse.vtu", "coarser/level-1.node"]'), domain=None)
+        self.assertEqual(figures["linear"]["preconditioner"], "multigrid")
+        self.assertEqual(len(figures["multigrid"]["unknowns"]), 3)
+        self.assertLessEqual(figures["linear"]["iterations"], 20)
+        self.assertNotIn("coarsen", self.report()["timing_s"])
+        for end in ("min", "max"):
+            self.assertAlmostEqual(figures["solution"][end], plain["solution"][end], places=6)
+        own = 'levels = ["coarse.vtu"]'
+        for change, words in (('levels = ["coarser/level-1.node", "coarse.vtu"]', "not in the next finer mesh"),
+                              ('levels = ["nowhere.vtu"]', "nowhere.vtu"),
+                              ("levels = []", "array of files"),
+                              ("levels = [3]", "array of files"),
+                              (own + '\npreconditioner = "diagonal"', "is not multigrid")):
+            with self.subTest(change=change):
+                self.case(text.replace("LINES", change), domain=None)
+                self.fail_with(2, "solve", "case.toml", "-o", "never.vtu", words=[words])
+        self.case(text.replace("LINES", own).replace('[mesh]\nfile = "refined.vtu"', ""), "halves.poly", size)
+        self.fail_with(2, "solve", "case.toml", words=["linear.levels", "still to be made"])
+        self.assertNotIn("never.vtu", self.names())
+
     def test_finite_elements_take_it_too(self):
         text = 'method = "fem"\n[boundary.others]\ntype = "dirichlet"\nvalue = "1 + x - z"\n[exact]\nu = "1 + x - z"\n'
         figures = self.solve(text + self.ITERATE.format("multigrid"), domain="box.poly", size=0.1)

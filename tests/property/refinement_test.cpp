@@ -215,16 +215,16 @@ TYPED_TEST(Refinement, ComposesWithCoarsening) {
   EXPECT_FALSE(again.levels.empty());
 }
 
-TYPED_TEST(Refinement, MakesAHierarchyForMultigrid) {
+TYPED_TEST(Refinement, MakesLevelsForMultigrid) {
   constexpr int D = TypeParam::value;
   MeshingOptions<D> options;
   options.wishes.size = D == 2 ? 0.3 : 0.6;
   std::vector<Mesh<D>> meshes = {make_mesh(domains::two_material_box<D>(), options).mesh};
   for (int level = 0; level < 2; ++level) meshes.insert(meshes.begin(), refine_by(meshes.front(), 0.5).result.mesh);
-  const auto hierarchy = nested_hierarchy(domain_of(meshes.front()).domain, meshes);
-  ASSERT_EQ(hierarchy.levels.size(), 2U);
+  const auto levels = nested_levels<D>(meshes.front(), {meshes[1], meshes[2]});
+  ASSERT_EQ(levels.size(), 2U);
   const Mesh<D>* finer = &meshes.front();
-  for (const CoarseLevel<D>& level : hierarchy.levels) {
+  for (const CoarseLevel<D>& level : levels) {
     const SparseMatrix& p = level.prolongation;
     ASSERT_EQ(p.size(), finer->points.size());
     for (std::size_t row = 0; row < p.size(); ++row) {
@@ -235,8 +235,11 @@ TYPED_TEST(Refinement, MakesAHierarchyForMultigrid) {
     }
     finer = &level.mesh;
   }
-  std::vector<Mesh<D>> wrong_way(meshes.rbegin(), meshes.rend());
-  EXPECT_EQ(test::fault_of<InputError>([&] { nested_hierarchy(hierarchy.domain, wrong_way); }).id, "refine.not_nested");
+  const auto refuse = [&](const Mesh<D>& finest, std::vector<Mesh<D>> coarser) {
+    return test::fault_of<InputError>([&] { nested_levels(finest, std::move(coarser)); }).id;
+  };
+  EXPECT_EQ(refuse(meshes[2], {meshes[1]}), "refine.not_nested");
+  EXPECT_EQ(refuse(meshes[0], {meshes[2], meshes[1]}), "refine.not_nested") << "each has to be in the one before";
 }
 
 TYPED_TEST(Refinement, TransfersValues) {
