@@ -42,7 +42,8 @@ struct SizeWishes {
   struct Field {
     Mesh<D> mesh;
     std::vector<double> size;  ///< [mesh.points.size()]
-    /// Its simplices fill the domain: there is no inside without a size. Lets constants be seen faster.
+    /// Its simplices fill the domain: there is no inside without a size. If the mesh has neighbors and the sizes are
+    /// Lipschitz along all edges, too, only the simplex that holds a point is looked at, and constants are seen.
     bool fills_domain = false;
   };
   /// Within a distance of a polyline; with one point, in a ball.

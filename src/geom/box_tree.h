@@ -79,6 +79,26 @@ class BoxTree {
     }
   }
 
+  /// True if accept(item) is, for an item below nodes whose box passes `enter`; none is looked at after that.
+  template <class Enter, class Accept>
+  bool find(Enter&& enter, Accept&& accept) const {
+    if (nodes_.empty() || !enter(nodes_[0].box)) return false;
+    std::uint32_t stack[kMaxDepth];
+    int size = 0;
+    stack[size++] = 0;
+    while (size > 0) {
+      const Node& node = nodes_[stack[--size]];
+      if (node.count > 0) {
+        for (std::uint32_t item : items(node))
+          if (accept(item)) return true;
+        continue;
+      }
+      for (const std::uint32_t child : {node.first + 1, node.first})
+        if (enter(nodes_[child].box)) stack[size++] = child;
+    }
+    return false;
+  }
+
   /// The least of `bound` and value_at(item) over all items, where value_at(item) is at least the item's value plus
   /// `slope` times the distance from x to its box.
   template <class ValueAt>

@@ -24,6 +24,7 @@ Spacing<D> interpolate(const Mesh<D>& mesh, const Domain<D>& domain, IdVector<Ve
   if (std::ranges::any_of(f, [&](double value) { return value < largest; })) {
     typename SizeWishes<D>::Field field;
     field.mesh.simplex_vertices = mesh.simplex_vertices;
+    field.mesh.simplex_neighbors = mesh.simplex_neighbors;
     field.mesh.points = mesh.points;
     field.size = std::move(f.raw());
     field.fills_domain = true;

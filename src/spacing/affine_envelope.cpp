@@ -82,16 +82,16 @@ double face_minimum(const std::array<Vec<D>, K + 1>& corners, const std::array<d
   return sum <= 1 ? value : kNothing;
 }
 
-/// The least face minimum over all K-faces of the D-simplex.
-template <int D, int K>
-double faces_minimum(const std::array<Vec<D>, D + 1>& corners, const std::array<double, D + 1>& values, double slope,
+/// The least face minimum over all K-faces of the simplex with N corners.
+template <int D, int K, std::size_t N>
+double faces_minimum(const std::array<Vec<D>, N>& corners, const std::array<double, N>& values, double slope,
                      const Vec<D>& x) {
   double best = std::numeric_limits<double>::infinity();
-  for (unsigned subset = 1; subset < (1U << (D + 1)); ++subset) {
+  for (unsigned subset = 1; subset < (1U << N); ++subset) {
     std::array<Vec<D>, K + 1> face;
     std::array<double, K + 1> at;
     std::size_t n = 0;
-    for (std::size_t i = 0; i <= D; ++i) {
+    for (std::size_t i = 0; i < N; ++i) {
       if ((subset >> i & 1U) == 0) continue;
       if (n <= K) {
         face[n] = corners[i];
@@ -104,6 +104,14 @@ double faces_minimum(const std::array<Vec<D>, D + 1>& corners, const std::array<
   return best;
 }
 
+template <int D, std::size_t N>
+double corners_minimum(const std::array<Vec<D>, N>& corners, const std::array<double, N>& values, double slope,
+                       const Vec<D>& x) {
+  double best = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < N; ++i) best = std::min(best, values[i] + slope * distance(x, corners[i]));
+  return best;
+}
+
 }  // namespace
 
 template <int D>
@@ -112,14 +120,27 @@ double affine_envelope(const std::array<Vec<D>, D + 1>& corners, const std::arra
   // Inside, a function that is itself Lipschitz is its own envelope.
   const double inside = face_minimum<D, D>(corners, values, slope, x);
   if (inside < std::numeric_limits<double>::infinity()) return inside;
-  double best = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i <= D; ++i) best = std::min(best, values[i] + slope * distance(x, corners[i]));
-  best = std::min(best, faces_minimum<D, 1>(corners, values, slope, x));
-  if constexpr (D == 3) best = std::min(best, faces_minimum<D, 2>(corners, values, slope, x));
+  const double best =
+      std::min(corners_minimum<D>(corners, values, slope, x), faces_minimum<D, 1>(corners, values, slope, x));
+  if constexpr (D == 3) return std::min(best, faces_minimum<D, 2>(corners, values, slope, x));
+  return best;
+}
+
+template <int D>
+double affine_envelope_of_face(const std::array<Vec<D>, D>& corners, const std::array<double, D>& values, double slope,
+                               const Vec<D>& x) {
+  const double inside = face_minimum<D, D - 1>(corners, values, slope, x);
+  if (inside < std::numeric_limits<double>::infinity()) return inside;
+  const double best = corners_minimum<D>(corners, values, slope, x);
+  if constexpr (D == 3) return std::min(best, faces_minimum<D, 1>(corners, values, slope, x));
   return best;
 }
 
 template double affine_envelope<2>(const std::array<Vec<2>, 3>&, const std::array<double, 3>&, double, const Vec<2>&);
 template double affine_envelope<3>(const std::array<Vec<3>, 4>&, const std::array<double, 4>&, double, const Vec<3>&);
+template double affine_envelope_of_face<2>(const std::array<Vec<2>, 2>&, const std::array<double, 2>&, double,
+                                           const Vec<2>&);
+template double affine_envelope_of_face<3>(const std::array<Vec<3>, 3>&, const std::array<double, 3>&, double,
+                                           const Vec<3>&);
 
 }  // namespace voropack

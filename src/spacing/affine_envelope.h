@@ -18,4 +18,9 @@ template <int D>
 double affine_envelope(const std::array<Vec<D>, D + 1>& corners, const std::array<double, D + 1>& values, double slope,
                        const Vec<D>& x);
 
+/// The same over a simplex of one dimension less.
+template <int D>
+double affine_envelope_of_face(const std::array<Vec<D>, D>& corners, const std::array<double, D>& values, double slope,
+                               const Vec<D>& x);
+
 }  // namespace voropack

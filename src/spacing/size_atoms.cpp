@@ -14,8 +14,6 @@ namespace {
 
 /// Points are inside of a simplex down to this barycentric coordinate: no gaps between neighbors.
 constexpr double kInsideSlack = 1e-9;
-/// Values at corners may differ by so much more than is Lipschitz: rounding.
-constexpr double kLipschitzSlack = 1e-9;
 
 /// Rows of the inverse of the matrix of the edges. False if there is none.
 bool find_hat_gradients(const std::array<Vec<2>, 2>& e, std::array<Vec<2>, 2>& rows) {
@@ -27,15 +25,6 @@ bool find_hat_gradients(const std::array<Vec<3>, 3>& e, std::array<Vec<3>, 3>& r
   const double det = dot(e[0], cross(e[1], e[2]));
   rows = {cross(e[1], e[2]) / det, cross(e[2], e[0]) / det, cross(e[0], e[1]) / det};
   return std::isfinite(norm(rows[0]) + norm(rows[1]) + norm(rows[2]));
-}
-
-template <int D>
-bool is_lipschitz(const FieldSimplex<D>& s, double slope) {
-  for (std::size_t i = 0; i <= D; ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if (std::abs(s.value[i] - s.value[j]) > slope * (1 + kLipschitzSlack) * distance(s.corner[i], s.corner[j]))
-        return false;
-  return true;
 }
 
 }  // namespace
@@ -75,7 +64,7 @@ void SizeAtoms<D>::add_simplex(const FieldSimplex<D>& simplex) {
     for (std::size_t i = 0; i < D; ++i)
       affine.gradient += (simplex.value[i + 1] - simplex.value[0]) * affine.hat_gradient[i];
     affine.is_gentle = norm(affine.gradient) <= slope_;
-    affine.is_local = is_lipschitz(simplex, slope_);
+    affine.is_local = is_lipschitz<D>(simplex.corner, simplex.value, slope_);
   }
   simplices_.push_back(affine);
 }
@@ -151,13 +140,6 @@ std::optional<double> SizeAtoms<D>::inside(std::uint32_t i, const Vec<D>& x) con
 }
 
 template <int D>
-std::optional<double> SizeAtoms<D>::constant(std::uint32_t i) const {
-  if (!is_local(i) || !simplices_[atoms_[i].index].is_one_of_all) return std::nullopt;
-  const auto& value = simplices_[atoms_[i].index].value;
-  return std::ranges::all_of(value, [&](double v) { return v == value[0]; }) ? std::optional(value[0]) : std::nullopt;
-}
-
-template <int D>
 Interval SizeAtoms<D>::bounds(std::uint32_t i, const Vec<D>& x) const {
   if (!is_local(i)) {
     const double value = at(i, x);
@@ -174,7 +156,7 @@ Interval SizeAtoms<D>::bounds(std::uint32_t i, const Vec<D>& x) const {
 
 template <int D>
 double SizeAtoms<D>::minimum(const Vec<D>& x, double bound) const {
-  bound = tree_.minimize(x, slope_, bound, [&](std::uint32_t i) { return at(i, x); });
+  bound = tree_.minimize(x, slope_, fields_minimum(x, bound), [&](std::uint32_t i) { return at(i, x); });
   for (const RegionValue& r : regions_) {
     if (!(r.value < bound)) break;
     if (locator_->in_region(x, r.region)) return r.value;

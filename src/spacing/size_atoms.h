@@ -1,6 +1,7 @@
 // User sizes as a family of Lipschitz functions ("atoms") whose minimum is the sizing part of f.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "geom/box_tree.h"
+#include "spacing/filling_field.h"
 #include "spacing/polytope_set.h"
 #include "spacing/region_locator.h"
 #include "voropack/domain.h"
@@ -41,7 +43,6 @@ template <int D>
 struct FieldSimplex {
   std::array<Vec<D>, D + 1> corner;
   std::array<double, D + 1> value;
-  bool is_one_of_all = false;  ///< The field's simplices fill the domain.
 };
 
 /// The same with its affine function.
@@ -60,10 +61,6 @@ struct RegionValue {
   friend auto operator<=>(const RegionValue&, const RegionValue&) = default;
 };
 
-struct Interval {
-  double lo, hi;
-};
-
 /// Refers to `polytopes` and `locator`, which must outlive it. Fill, then `finish`.
 template <int D>
 class SizeAtoms {
@@ -79,6 +76,7 @@ class SizeAtoms {
   /// Where the values at the corners of a simplex are Lipschitz, the field is taken to be so by itself around it: then
   /// the simplex is *local*, and matters at its own points only.
   void add_simplex(const FieldSimplex<D>& simplex);
+  void add_field(FillingField<D> field) { fields_.push_back(std::move(field)); }
   /// Drops repetitions and builds the search tree.
   void finish();
 
@@ -92,14 +90,18 @@ class SizeAtoms {
   }
   /// The value at a point of a local atom; nothing if x is outside of it.
   [[nodiscard]] std::optional<double> inside(std::uint32_t i, const Vec<D>& x) const;
-  /// The value of a local atom that is constant and belongs to a field that fills the domain.
-  [[nodiscard]] std::optional<double> constant(std::uint32_t i) const;
   /// What `at` is between. Of local atoms, for less than `at` costs; of others exact.
   [[nodiscard]] Interval bounds(std::uint32_t i, const Vec<D>& x) const;
   /// By value, the least first.
   [[nodiscard]] const std::vector<RegionValue>& regions() const { return regions_; }
   [[nodiscard]] const RegionLocator<D>& locator() const { return *locator_; }
-  /// The least of `bound`, all atoms and all region values at x.
+  [[nodiscard]] const std::vector<FillingField<D>>& fields() const { return fields_; }
+  /// The least of `bound` and all fields at x.
+  [[nodiscard]] double fields_minimum(const Vec<D>& x, double bound) const {
+    for (const FillingField<D>& field : fields_) bound = std::min(bound, field.at(x));
+    return bound;
+  }
+  /// The least of `bound`, all atoms, region values and fields at x.
   [[nodiscard]] double minimum(const Vec<D>& x, double bound) const;
 
  private:
@@ -111,6 +113,7 @@ class SizeAtoms {
   std::vector<SegmentTube<D>> tubes_;
   std::vector<AffineSimplex<D>> simplices_;
   std::vector<RegionValue> regions_;
+  std::vector<FillingField<D>> fields_;
   BoxTree<D> tree_;
 };
 

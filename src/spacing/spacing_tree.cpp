@@ -106,6 +106,7 @@ double SpacingTree<D>::operator()(const Vec<D>& x) const {
   double best = leaf.constant;
   if (leaf.is_constant()) return best;
   const double from_center = distance(x, leaf.center);
+  if (leaf.asks_fields) best = sources_->sizes.fields_minimum(x, best);
   if (leaf.n_atoms > 0) best = atoms_minimum(leaf, x, from_center, best);
   for (std::uint32_t i = 0; i < leaf.n_regions; ++i) {
     const RegionValue& r = regions_[leaf.first_region + i];

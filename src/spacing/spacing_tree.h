@@ -60,9 +60,9 @@ class SpacingTree {
     double constant = 0;  // A source that is constant throughout the leaf.
     std::uint64_t first_pair = 0, first_near = 0, first_atom = 0, first_region = 0;
     std::uint32_t n_pairs = 0, n_atoms = 0, n_regions = 0;
-    bool search_pairs = false, search_atoms = false;
+    bool search_pairs = false, search_atoms = false, asks_fields = false;
     [[nodiscard]] bool is_constant() const {
-      return n_pairs == 0 && n_atoms == 0 && n_regions == 0 && !search_pairs && !search_atoms;
+      return n_pairs == 0 && n_atoms == 0 && n_regions == 0 && !search_pairs && !search_atoms && !asks_fields;
     }
   };
 

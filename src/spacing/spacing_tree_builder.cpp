@@ -38,8 +38,8 @@ constexpr std::size_t kFewSources = 32;
 constexpr std::size_t kMaxAtoms = 512;
 /// A cell with too many sources is split while its side exceeds this multiple of f.
 constexpr double kSmallestSide = 1.0;
-/// A cell where a constant is smallest in one part and something else in another is split down to this multiple of f,
-/// so that the part where f is constant becomes known to `constant_on`.
+/// A cell where a constant is smallest in one part and something else in another, or where a field varies, is split
+/// down to this multiple of f, so that the part where f is constant becomes known to `constant_on`.
 constexpr double kMixedSide = 8.0;
 /// No more cells than this, plus a few for each item and two for each size atom.
 constexpr std::size_t kBaseCells = 10'000;
@@ -73,6 +73,7 @@ struct SpacingTree<D>::Builder {
     std::vector<RegionValue> regions;  // Whose walls may pass through the cell.
     double constant = kInfinity;
     bool is_paired = false;
+    bool asks_fields = false;
   };
   struct Cell {
     std::uint32_t node = 0;  // Slot in nodes_.
@@ -126,8 +127,10 @@ struct SpacingTree<D>::Builder {
     for (std::uint32_t i = 0; i < all->atoms.size(); ++i) all->atoms[i].index = i;
     all->regions = sources.sizes.regions();
     all->constant = sources.constant;
-    const std::size_t max_cells =
-        std::min(kMostCells, kBaseCells + kCellsPerItem * all->items.size() + 2 * all->atoms.size());
+    all->asks_fields = !sources.sizes.fields().empty();
+    std::size_t n_sizes = all->atoms.size();
+    for (const FillingField<D>& field : sources.sizes.fields()) n_sizes += field.size();
+    const std::size_t max_cells = std::min(kMostCells, kBaseCells + kCellsPerItem * all->items.size() + 2 * n_sizes);
 
     tree.nodes_.assign(1, kLeafBit);
     std::vector<Cell> level(1);
@@ -181,7 +184,10 @@ struct SpacingTree<D>::Builder {
     lists->is_paired = parent.is_paired;
     cell.value = parent.constant;
 
-    const double size_limit = filter_sizes(parent, m, h, *lists, cell.value);
+    double size_limit = kInfinity;
+    if (parent.asks_fields) size_limit = look_at_fields(cell.box, *lists);
+    cell.value = std::min({cell.value, lists->constant, size_limit});
+    size_limit = std::min(size_limit, filter_sizes(parent, m, h, *lists, cell.value));
     std::vector<double> distances;
     for (std::uint32_t i : parent.items) distances.push_back(polytopes.item_distance(i, m));
     const OwnerDistances owners = owner_distances(parent.items, distances);
@@ -229,20 +235,23 @@ struct SpacingTree<D>::Builder {
     std::erase_if(lists.atoms, [&](const WorkAtom& a) {
       return a.at_center - b * h > limit || a.at_center - b * h >= lists.constant;
     });
-    join_constant_atoms(lists, meets_local);
     value = std::min({value, lists.constant, least});
     return limit;
   }
 
-  /// Where a field that fills the domain has one value in all that a cell meets of it, that is a constant. Of the
-  /// cell's part outside of the domain nobody asks.
-  void join_constant_atoms(Lists& lists, bool meets_local) const {
-    if (!meets_local || lists.atoms.empty()) return;
-    const std::optional<double> first = sources.sizes.constant(lists.atoms.front().index);
-    const auto is_same = [&](const WorkAtom& a) { return sources.sizes.constant(a.index) == first; };
-    if (!first || !std::all_of(lists.atoms.begin(), lists.atoms.end(), is_same)) return;
-    lists.constant = std::min(lists.constant, *first);
-    lists.atoms.clear();
+  /// What the fields that fill the domain are in the cell. Of its part outside of the domain nobody asks. Returns an
+  /// upper bound of f.
+  double look_at_fields(const Box<D>& box, Lists& lists) const {
+    double limit = kInfinity;
+    for (const FillingField<D>& field : sources.sizes.fields()) {
+      const Interval values = field.range(box);
+      limit = std::min(limit, values.hi);
+      if (values.lo == values.hi)
+        lists.constant = std::min(lists.constant, values.lo);
+      else
+        lists.asks_fields = lists.asks_fields || values.lo < lists.constant;
+    }
+    return limit;
   }
 
   using OwnerDistances = std::vector<std::pair<std::uint32_t, double>>;
@@ -382,8 +391,8 @@ struct SpacingTree<D>::Builder {
     const Lists& lists = *cell.lists;
     double side = 0;
     for (int k = 0; k < D; ++k) side = std::max(side, cell.box.hi[k] - cell.box.lo[k]);
-    if (lists.items.empty() && lists.atoms.empty() && lists.regions.empty()) return false;
-    const bool is_mixed = lists.constant <= cell.limit;
+    if (lists.items.empty() && lists.atoms.empty() && lists.regions.empty() && !lists.asks_fields) return false;
+    const bool is_mixed = lists.constant <= cell.limit || lists.asks_fields;
     if (is_mixed && side > kMixedSide * cell.value) return true;
     if (!(side > kSmallestSide * cell.value)) return false;
     if (!lists.is_paired) return !cell.search_is_cheap || sources.weights.slope * h > kSearchVariation * cell.value;
@@ -419,6 +428,7 @@ struct SpacingTree<D>::Builder {
     leaf.center = cell.box.center();
     leaf.value = cell.value;
     leaf.constant = lists.constant;
+    leaf.asks_fields = lists.asks_fields;
     leaf.first_pair = tree.pairs_.size();
     leaf.first_near = tree.nears_.size();
     leaf.first_atom = tree.atoms_.size();

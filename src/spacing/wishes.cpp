@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -100,15 +101,25 @@ void add_field(const typename SizeWishes<D>::Field& field, double edge_per_spaci
          fmt::format("the size field has {} sizes for {} points", field.size.size(), mesh.points.size()),
          "give one size for each point of the mesh");
   for (VertexId v : ids(mesh.points)) check_size(field.size[v.value()], fmt::format("the size at point {}", v.value()));
-  for (const auto& vertices : mesh.simplex_vertices) {
-    FieldSimplex<D> simplex;
-    simplex.is_one_of_all = field.fills_domain;
+  std::vector<double> spacing = field.size;
+  for (double& value : spacing) value /= edge_per_spacing;
+  const auto simplex = [&](const std::array<VertexId, D + 1>& vertices) {
+    FieldSimplex<D> result;
     for (std::size_t i = 0; i <= D; ++i) {
-      simplex.corner[i] = mesh.points[vertices[i]];
-      simplex.value[i] = field.size[vertices[i].value()] / edge_per_spacing;
+      result.corner[i] = mesh.points[vertices[i]];
+      result.value[i] = spacing[vertices[i].value()];
     }
-    atoms.add_simplex(simplex);
-  }
+    return result;
+  };
+  const bool is_filling = field.fills_domain && mesh.simplex_neighbors.size() == mesh.simplex_vertices.size() &&
+                          std::ranges::all_of(mesh.simplex_vertices, [&](const auto& vertices) {
+                            const FieldSimplex<D> here = simplex(vertices);
+                            return is_lipschitz<D>(here.corner, here.value, atoms.slope());
+                          });
+  if (is_filling)
+    atoms.add_field({mesh, std::move(spacing), atoms.slope()});
+  else
+    for (const auto& vertices : mesh.simplex_vertices) atoms.add_simplex(simplex(vertices));
 }
 
 template <int D>
