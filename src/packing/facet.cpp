@@ -1,7 +1,6 @@
 #include "packing/facet.h"
 
 #include <algorithm>
-#include <iterator>
 
 #include "base/random.h"
 #include "geom/circumcenter.h"
@@ -103,11 +102,11 @@ PackedFacet pack_facet(const Domain<3>& domain, const Incidence<3>& incidence, F
   }
   result.triangles = std::move(packed.triangulation.simplices);
   std::vector<Vec<2>> in_plane;
-  std::vector<Vec<3>> in_space = result.centers;
+  std::vector<Vec<3>> in_space;
   for (const Ball<2>& s : problem.fixed) in_plane.push_back(s.center);
   for (const Ball<2>& s : packed.spheres) in_plane.push_back(s.center);
-  std::transform(result.boundary.begin(), result.boundary.end(), std::inserter(in_space, in_space.begin()),
-                 [&](SphereId s) { return packing.center[s]; });
+  for (const SphereId s : result.boundary) in_space.push_back(packing.center[s]);
+  in_space.insert(in_space.end(), result.centers.begin(), result.centers.end());
   result.tied = settle_tied_polygons(in_plane, in_space, packed.triangulation.neighbors, result.triangles);
   return result;
 }

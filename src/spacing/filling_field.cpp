@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geom/polytope_distance.h"
 #include "spacing/affine_envelope.h"
 
 namespace voropack {
@@ -63,6 +64,25 @@ FillingField<D>::FillingField(const Mesh<D>& mesh, std::vector<double> values_at
     if (nodes[i].count == 0) largest_[i] = std::max(largest_[nodes[i].first], largest_[nodes[i].first + 1]);
     for (const std::uint32_t s : tree_.items(nodes[i]))
       largest_[i] = std::max(largest_[i], std::ranges::max(values(simplices_[s])));
+  }
+  find_dips();
+}
+
+template <int D>
+void FillingField<D>::find_dips() {
+  has_dip_.assign(simplices_.size(), 0);
+  const auto* const first = tree_.nodes().data();
+  for (const auto& steep : steep_) {
+    const Box<D> at = box(steep);
+    const double least = std::ranges::min(values(steep));
+    tree_.for_each_below(
+        [&](const typename BoxTree<D>::Node& node) {
+          return least + slope_ * box_distance(at, node.box) < largest_[static_cast<std::size_t>(&node - first)];
+        },
+        [&](std::uint32_t s) {
+          if (least + slope_ * box_distance(at, box(simplices_[s])) < std::ranges::max(values(simplices_[s])))
+            has_dip_[s] = 1;
+        });
   }
 }
 
@@ -144,17 +164,19 @@ double FillingField<D>::envelope(const std::array<VertexId, N>& simplex, const V
 // an outer face if x is outside.
 template <int D>
 double FillingField<D>::at(const Vec<D>& x) const {
-  std::optional<double> found;
-  tree_.find([&](const Box<D>& node) { return node.contains(x); },
-             [&](std::uint32_t s) {
-               found = inside(simplices_[s], x);
-               return found.has_value();
-             });
-  double bound = found.value_or(std::numeric_limits<double>::infinity());
+  double bound = std::numeric_limits<double>::infinity();
+  bool may_dip = false;
+  const bool is_inside = tree_.find([&](const Box<D>& node) { return node.contains(x); },
+                                    [&](std::uint32_t s) {
+                                      const std::optional<double> value = inside(simplices_[s], x);
+                                      if (value) bound = *value, may_dip = has_dip_[s] != 0;
+                                      return value.has_value();
+                                    });
+  if (is_inside && !may_dip) return bound;
   const auto over = [&](const auto& simplices) {
     return [&](std::uint32_t i) { return bound = envelope(simplices[i], x, bound); };
   };
-  if (!found) outer_tree_.minimize(x, slope_, bound, over(outer_));
+  if (!is_inside) outer_tree_.minimize(x, slope_, bound, over(outer_));
   return steep_tree_.minimize(x, slope_, bound, over(steep_));
 }
 

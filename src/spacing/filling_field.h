@@ -43,6 +43,7 @@ class FillingField {
   /// A tree over simplices or faces whose values are their least ones.
   template <std::size_t N>
   [[nodiscard]] BoxTree<D> build_tree(const std::vector<std::array<VertexId, N>>& simplices) const;
+  void find_dips();
   [[nodiscard]] bool is_steep(const std::array<VertexId, D + 1>& simplex) const;
   /// Nothing if x is outside of the simplex.
   [[nodiscard]] std::optional<double> inside(const std::array<VertexId, D + 1>& simplex, const Vec<D>& x) const;
@@ -58,6 +59,7 @@ class FillingField {
   std::vector<std::array<VertexId, D>> outer_;      ///< Faces without a neighbor.
   BoxTree<D> tree_, steep_tree_, outer_tree_;       ///< Over these.
   std::vector<double> largest_;                     ///< By node of tree_: the largest value below.
+  std::vector<std::uint8_t> has_dip_;  ///< By simplex: whether the envelope of a steep one may be less in it.
 };
 
 }  // namespace voropack
