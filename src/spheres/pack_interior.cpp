@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "base/parallel.h"
 #include "base/random.h"
@@ -87,11 +89,12 @@ class Completion {
     if (labels_.region[slot] < 0 || !kernel_.is_finite(slot)) return;
     const auto corners = kernel_.corners(slot);
     std::array<Vec<K>, K + 1> points;
-    double largest = 0;
+    double largest = 0, shortest_sq = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i <= K; ++i) {
       const Ball<K>& s = sphere(corners[i]);
       points[i] = s.center;
       largest = std::max(largest, s.radius);
+      for (std::size_t j = 0; j < i; ++j) shortest_sq = std::min(shortest_sq, distance_sq(points[i], points[j]));
     }
     Vec<K> c = fast_circumcenter(points);
     // f(c) >= largest - b radius: most simplices are too small whatever f is there, and need no evaluation of it.
@@ -102,7 +105,12 @@ class Completion {
     double f = problem_.spacing.at(c);
     if (radius < f + largest) return;
     // The ball around c is empty and large: what blocks c is mostly a protecting ball.
-    if (cells_.balls().forbids(c)) return;
+    if (cells_.balls().forbids(c)) {
+      const std::optional<Vec<K>> beside = radius_sq > shortest_sq ? beside_balls(c, radius) : std::nullopt;
+      if (!beside || problem_.region_of(*beside) != labels_.region[slot]) return;
+      c = *beside;
+      f = problem_.spacing.at(c);
+    }
     if (problem_.jitter > 0) {
       std::uint64_t h = hash_words(problem_.seed, corners[0], corners[1], corners[2]);
       for (int k = 0; k < K; ++k) c[k] += problem_.jitter * f * (2 * to_unit(h = mix64(h)) - 1);
@@ -110,6 +118,27 @@ class Completion {
     }
     if (!problem_.admits(cells_.spheres(), cells_.balls(), c, f)) return;
     out.push_back({{c, f}, labels_.region[slot], corners[0], radius / f});
+  }
+
+  /// A place near c outside of all protecting balls, up to this far away. Balls beside walls are larger than the
+  /// spheres there; so what they keep from being added is large beside its edges, but mostly there is room a little
+  /// farther away from the wall.
+  [[nodiscard]] std::optional<Vec<K>> beside_balls(const Vec<K>& c, double reach) const {
+    constexpr int kMostBalls = 3;
+    Vec<K> x = c;
+    for (int i = 0; i <= kMostBalls && distance_sq(x, c) < reach * reach; ++i) {
+      Ball<K> holding;
+      const auto& balls = cells_.balls();
+      const bool is_held = balls.visit_holding(x, kBallMargin, [&](std::uint32_t b) {
+        holding = balls[b];
+        return true;
+      });
+      if (!is_held) return problem_.bounds.contains(x) ? std::optional(x) : std::nullopt;
+      const double away = distance(x, holding.center);
+      if (!(away > 0)) return std::nullopt;
+      x = holding.center + (holding.radius * (1 + kBallMargin) / away) * (x - holding.center);
+    }
+    return std::nullopt;
   }
 
   /// Adds the time that `work` takes to that of the triangulation.
