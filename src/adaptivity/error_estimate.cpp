@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "adaptivity/cell_neighbors.h"
+#include "adaptivity/consistency.h"
 #include "adaptivity/symmetric.h"
 #include "norms/dual_face_parts.h"
 #include "solve/assemble.h"
@@ -87,13 +88,13 @@ EdgeValues find_defects(const Mesh<D>& mesh, const ControlVolumes<D>& volumes,
   return defect;
 }
 
-/// The error's equation has the matrix of the problem, and the defects as its load.
+/// The error's equation has the matrix of the problem, and as its load the defects and what cells miss besides.
 template <int D>
-CellTerms error_terms(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary,
-                      const DiffusionProblem<D>& problem, const VertexValues& values, const EdgeValues& defect) {
+CellTerms error_terms(const SolvedProblem<D>& solved, const BoundaryAreas<D>& boundary, const EdgeValues& defect) {
+  const ControlVolumes<D>& volumes = solved.volumes;
   const CellIndex index(volumes);
-  CellTerms terms = evaluate(volumes, boundary, index, problem, &values);
-  std::ranges::fill(terms.source, 0.0);
+  CellTerms terms = evaluate(volumes, boundary, index, solved.problem, &solved.values);
+  terms.source = find_consistency_errors(solved);
   for (const DualFaceId f : ids(defect)) {
     const double load = -terms.coupling[f] * volumes.face_edge_length[f] * defect[f];
     const auto [i, j] = volumes.face_vertices[f];
@@ -121,7 +122,9 @@ ErrorEstimate estimate_error(const Mesh<D>& mesh, const ControlVolumes<D>& volum
         .fix = "give one value for each vertex, and derivatives recovered on the same mesh"});
   ErrorEstimate result;
   result.defect = find_defects(mesh, volumes, derivatives);
-  const CellTerms terms = error_terms(volumes, boundary, problem, values, result.defect);
+  const SolvedProblem<D> solved{mesh, volumes, problem, values, derivatives};
+  add_conductivity_defects(solved, result.defect);
+  const CellTerms terms = error_terms(solved, boundary, result.defect);
   LinearSystem system = assemble_terms(volumes, boundary, terms);
   if (!terms.source_slope.empty() || !terms.coupling_slope.empty()) differentiate_terms(volumes, terms, values, system);
   VertexValues volume(volumes.sites.size(), 0.0);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 #include <utility>
 
 #include "base/parallel.h"
@@ -56,7 +57,8 @@ DualFaceId find_dual_face(const ControlVolumes<D>& volumes, std::array<VertexId,
 }
 
 /// [face] the mean over each dual face of what mean_over(corners, normal) is on a part of it; the normal goes from the
-/// first to the second vertex of the edge. Cost: O(n log n). The same result for any number of threads.
+/// first to the second vertex of the edge. It may ask for the simplex and that edge, too. Cost: O(n log n). The same
+/// result for any number of threads.
 template <class Value, int D, class MeanOver>
 IdVector<DualFaceId, Value> mean_over_dual_faces(const Mesh<D>& mesh, const ControlVolumes<D>& volumes,
                                                  MeanOver&& mean_over) {
@@ -75,8 +77,12 @@ IdVector<DualFaceId, Value> mean_over_dual_faces(const Mesh<D>& mesh, const Cont
         const std::size_t i = corners[a] < corners[b] ? a : b, j = a + b - i;
         const Vec<D> normal = (p[j] - p[i]) / distance(p[i], p[j]);
         Value sum{};
-        for (const DualFacePart<D>& part : dual_face_parts(p, center, i, j))
-          sum += part.measure * mean_over(part.corners, normal);
+        for (const DualFacePart<D>& part : dual_face_parts(p, center, i, j)) {
+          if constexpr (std::is_invocable_v<MeanOver&, const std::array<Vec<D>, D>&, const Vec<D>&>)
+            sum += part.measure * mean_over(part.corners, normal);
+          else
+            sum += part.measure * mean_over(part.corners, normal, s, std::array{corners[i], corners[j]});
+        }
         parts[s][edge] = sum;
       }
   });

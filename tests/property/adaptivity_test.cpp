@@ -33,12 +33,13 @@ struct Solution {
   BoundaryAreas<D> areas;
   DiffusionProblem<D> problem;
   VertexValues values;
-  double error;  ///< In the W norm.
+  double error;             ///< In the W norm.
+  bool is_bounded = false;  ///< By its truncation error: Theorem 2.1 holds.
 };
 
 template <int D>
 Solution<D> solve_exact(const Mesh<D>& mesh, const ExactProblem<D>& exact) {
-  Solution<D> result{build_control_volumes(mesh), build_boundary_areas(mesh), {}, {}, 0};
+  Solution<D> result{build_control_volumes(mesh), build_boundary_areas(mesh), {}, {}, 0, true};
   DiffusionProblem<D>& problem = result.problem;
   problem.source_integrals = integrate_over_cells<D>(
       build_cell_shapes(mesh, result.volumes), result.volumes,
@@ -64,15 +65,18 @@ struct Cycle {
 
 /// Each cycle multiplies the number of vertices by about `growth`.
 template <int D>
-std::vector<Cycle> adapt(Mesh<D> mesh, const ExactProblem<D>& exact, int n_cycles, double growth, bool keep_all) {
+std::vector<Cycle> adapt(Mesh<D> mesh, const std::function<Solution<D>(const Mesh<D>&)>& solve_on, int n_cycles,
+                         double growth, bool keep_all) {
   std::vector<Cycle> cycles;
   const MeshDomain<D> first = domain_of(mesh);
   for (;;) {
-    const Solution<D> solved = solve_exact(mesh, exact);
+    const Solution<D> solved = solve_on(mesh);
     const auto derivatives = recover_derivatives(solved.volumes, solved.values);
     const ErrorEstimate estimate =
         estimate_error(mesh, solved.volumes, solved.areas, solved.problem, solved.values, derivatives);
-    EXPECT_LE(estimate.smooth, estimate.truncation * (1 + 1e-6));
+    if (solved.is_bounded) {
+      EXPECT_LE(estimate.smooth, estimate.truncation * (1 + 1e-6));
+    }
     const auto n = static_cast<double>(mesh.points.size());
     cycles.push_back({n, solved.error, estimate.w / solved.error});
     if (static_cast<int>(cycles.size()) > n_cycles) return cycles;
@@ -84,11 +88,19 @@ std::vector<Cycle> adapt(Mesh<D> mesh, const ExactProblem<D>& exact, int n_cycle
   }
 }
 
+template <int D>
+std::vector<Cycle> adapt(const Mesh<D>& mesh, const ExactProblem<D>& exact, int n_cycles, double growth,
+                         bool keep_all) {
+  return adapt<D>(
+      mesh, [&](const Mesh<D>& m) { return solve_exact(m, exact); }, n_cycles, growth, keep_all);
+}
+
 double slope(const Cycle& a, const Cycle& b) {
   return std::log(b.error / a.error) / std::log(b.n_vertices / a.n_vertices);
 }
 
 void expect_effective_after_two(const std::vector<Cycle>& cycles) {
+  if (std::getenv("SHOW")) for (const Cycle& c : cycles) printf("%g %g %.3f\n", c.n_vertices, c.error, c.effectivity);
   for (std::size_t k = 2; k < cycles.size(); ++k) {
     EXPECT_GE(cycles[k].effectivity, 0.5) << "cycle " << k;
     EXPECT_LE(cycles[k].effectivity, 2) << "cycle " << k;
@@ -158,6 +170,81 @@ TEST(Adaptivity, ExponentialOnTheCube) {
   const Mesh<3> uniform = uniform_mesh(domains::unit_box<3>(), 0.05);
   EXPECT_LE(cycles.back().n_vertices, static_cast<double>(uniform.points.size()));
   EXPECT_LT(cycles.back().error, solve_exact(uniform, exponential()).error);
+}
+
+/// -div(kappa grad u) + sigma u = s on the unit box with u = sin(4 x) exp(2 y). What is not asked for is kappa = 1,
+/// sigma = 0, cells over which the source is integrated, and the values of u on the boundary.
+struct Terms {
+  bool varying_kappa = false, reaction = false, robin = false, source_at_sites = false, kappa_by_u = false;
+};
+
+template <int D>
+Solution<D> solve_terms(const Mesh<D>& mesh, const Terms& terms) {
+  Solution<D> result{build_control_volumes(mesh), build_boundary_areas(mesh), {}, {}, 0};
+  DiffusionProblem<D>& problem = result.problem;
+  const auto u = [](const Vec<D>& x) { return std::sin(4 * x[0]) * std::exp(2 * x[1]); };
+  const auto u_x = [](const Vec<D>& x) { return 4 * std::cos(4 * x[0]) * std::exp(2 * x[1]); };
+  const auto u_y = [=](const Vec<D>& x) { return 2 * u(x); };
+  const auto kappa = [=](const Vec<D>& x) {
+    return terms.kappa_by_u ? std::exp(0.3 * u(x)) : terms.varying_kappa ? std::exp(3 * x[0]) : 1.0;
+  };
+  const auto sigma = [=](const Vec<D>& x) { return terms.reaction ? 300 * (1 + x[0]) : 0.0; };
+  const auto source = [=](const Vec<D>& x, int) {
+    const double along = terms.kappa_by_u ? 0.3 * (u_x(x) * u_x(x) + u_y(x) * u_y(x))
+                                          : (terms.varying_kappa ? 3 * u_x(x) : 0.0);
+    return -kappa(x) * (along - 12 * u(x)) + sigma(x) * u(x);
+  };
+  if (terms.varying_kappa) problem.conductivity = RegionFunction<D>([=](const Vec<D>& x, int) { return kappa(x); });
+  if (terms.kappa_by_u) {
+    StateFunction<D> by_u;
+    by_u.value = [](const Vec<D>&, int, double value) { return std::exp(0.3 * value); };
+    problem.conductivity = by_u;
+  }
+  if (terms.reaction) problem.reaction = RegionFunction<D>([=](const Vec<D>& x, int) { return sigma(x); });
+  if (terms.source_at_sites)
+    problem.source = RegionFunction<D>(source);
+  else
+    problem.source_integrals = integrate_over_cells<D>(build_cell_shapes(mesh, result.volumes), result.volumes,
+                                                       std::function<double(const Vec<D>&, int)>(source));
+  for (const PatchId p : ids(result.areas.patch_marker)) {
+    const int marker = result.areas.patch_marker[p];
+    if (terms.robin && result.areas.patch_centroid[p][0] == 1)
+      problem.conditions[marker] = Robin<D>{2.0, [=](const Vec<D>& x) { return u(x) + kappa(x) * u_x(x) / 2; }};
+    else if (!problem.conditions.contains(marker))
+      problem.conditions[marker] = Dirichlet<D>{u};
+  }
+  result.values = terms.kappa_by_u ? solve_nonlinear(result.volumes, result.areas, problem, {}).state.values
+                                   : solve(result.volumes, result.areas, problem).values;
+  VertexValues errors(result.values.size());
+  for (const VertexId v : ids(errors)) errors[v] = result.values[v] - u(mesh.points[v]);
+  result.error = w_norm(result.volumes, errors, find_hull_vertices(mesh));
+  return result;
+}
+
+/// The first terms make most of the error: without them the effectivity is 0.1 to 0.4.
+const std::vector<Terms> kTerms = {{.reaction = true},
+                                   {.source_at_sites = true},
+                                   {.varying_kappa = true},
+                                   {.robin = true},
+                                   {.kappa_by_u = true},
+                                   {.varying_kappa = true, .reaction = true, .robin = true, .source_at_sites = true}};
+
+TEST(Adaptivity, TermsTakenAtSitesAreInTheEstimateInThePlane) {
+  for (std::size_t k = 0; k < kTerms.size(); ++k) {
+    SCOPED_TRACE(k);
+    expect_effective_after_two(adapt<2>(
+        uniform_mesh(domains::unit_box<2>(), 0.2), [&](const Mesh<2>& m) { return solve_terms(m, kTerms[k]); }, 4, 2.5,
+        false));
+  }
+}
+
+TEST(Adaptivity, TermsTakenAtSitesAreInTheEstimateInSpace) {
+  for (std::size_t k = 0; k < kTerms.size(); ++k) {
+    SCOPED_TRACE(k);
+    expect_effective_after_two(adapt<3>(
+        uniform_mesh(domains::unit_box<3>(), 0.35), [&](const Mesh<3>& m) { return solve_terms(m, kTerms[k]); }, 3, 3,
+        false));
+  }
 }
 
 /// u is linear on both sides of the interface at x = 1: a kink, and nothing else.
