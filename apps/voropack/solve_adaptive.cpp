@@ -319,25 +319,10 @@ std::string end_in_words(const AdaptiveFigures& figures) {
 }  // namespace
 
 std::vector<std::string> left_out_of_estimate(const Case& given) {
-  const auto is_formula = [](const CaseCoefficient& coefficient) {
-    const auto varies = [](const CaseFormula& formula) { return std::holds_alternative<std::string>(formula.value); };
-    if (const auto* one = std::get_if<CaseFormula>(&coefficient.value)) return varies(*one);
-    if (const auto* all = std::get_if<std::map<int, CaseFormula>>(&coefficient.value))
-      return std::any_of(all->begin(), all->end(), [&](const auto& entry) { return varies(entry.second); });
-    return true;
-  };
-  const auto is_zero = [](const CaseCoefficient& coefficient) {
-    const auto* one = std::get_if<CaseFormula>(&coefficient.value);
-    const auto* number = one == nullptr ? nullptr : std::get_if<double>(&one->value);
-    return number != nullptr && *number == 0;
-  };
   std::vector<std::string> parts;
-  if (is_formula(given.conductivity)) parts.emplace_back("conductivity that varies inside a region");
-  if (!is_zero(given.reaction)) parts.emplace_back("reaction");
-  const auto is_robin = [](const CaseCondition& c) { return c.type == CaseCondition::Type::kRobin; };
-  if ((given.other_conditions && is_robin(*given.other_conditions)) ||
-      std::any_of(given.conditions.begin(), given.conditions.end(), [&](const auto& c) { return is_robin(c.second); }))
-    parts.emplace_back("Robin conditions");
+  for (const CaseCoefficient* coefficient : {&given.conductivity, &given.reaction, &given.source})
+    if (std::holds_alternative<CaseArray>(coefficient->value))
+      parts.push_back(fmt::format("{} between the vertices of its array", coefficient->name));
   return parts;
 }
 
@@ -416,8 +401,8 @@ Solved<D> solve_cycle(Setting<D>& setting, RecoveredDerivatives<D>& derivatives,
   Solved<D> solved = solve_case<D>(setting, {}, clock);
   derivatives = recover_derivatives(setting.volumes, solved.arrays.u, clock);
   const ErrorEstimate estimate =
-      estimate_error(setting.mesh, setting.volumes, setting.boundary, make_problem(setting.compiled, 0),
-                     solved.arrays.u, derivatives, setting.given.newton.linear, clock);
+      estimate_error(setting.mesh, setting.volumes, setting.boundary, stationary_problem(setting), solved.arrays.u,
+                     derivatives, setting.given.newton.linear, clock);
   cycle.n_vertices = setting.mesh.points.size();
   cycle.estimate = estimate.w;
   cycle.smooth = estimate.smooth;

@@ -105,6 +105,15 @@ class ProblemInTime {
   std::optional<IdVector<CellId, double>> integrals_;
 };
 
+}  // namespace
+
+template <int D>
+DiffusionProblem<D> stationary_problem(const Setting<D>& setting) {
+  return ProblemInTime<D>(setting)(0);
+}
+
+namespace {
+
 template <int D>
 void add_flows(DiffusionSolution<D>& solution, SolveFigures& figures) {
   figures.fluxes = std::move(solution.fluxes);
@@ -122,7 +131,7 @@ IdVector<VertexId, double> solve_stationary(const Setting<D>& setting, const New
     solution = solve_fem(setting.mesh, make_problem(setting.compiled, 0), options.linear, observer);
   } else {
     observer.begin_stage("assemble");
-    const DiffusionProblem<D> problem = ProblemInTime<D>(setting)(0);
+    const DiffusionProblem<D> problem = stationary_problem(setting);
     if (setting.compiled.is_nonlinear) {
       IdVector<VertexId, double> initial;
       if (setting.given.newton_initial) initial = vertex_values(setting.compiled.newton_initial, setting.mesh);
@@ -239,6 +248,8 @@ Solved<D> solve_case(const Setting<D>& setting, const StateCallback<D>& on_state
   return result;
 }
 
+template DiffusionProblem<2> stationary_problem(const Setting<2>&);
+template DiffusionProblem<3> stationary_problem(const Setting<3>&);
 template void prepare(Setting<2>&, Observer&);
 template void prepare(Setting<3>&, Observer&);
 template Solved<2> solve_case(const Setting<2>&, const StateCallback<2>&, Observer&);

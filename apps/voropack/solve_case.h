@@ -45,6 +45,10 @@ void prepare(Setting<D>& setting, Observer& observer);
 template <int D>
 using StateCallback = std::function<void(double time, const SolutionArrays<D>&)>;
 
+/// What solve_case solves where nothing depends on time.
+template <int D>
+DiffusionProblem<D> stationary_problem(const Setting<D>& setting);
+
 /// Solves and measures. Whether the source is integrated over cells is decided by `shapes` being there.
 template <int D>
 Solved<D> solve_case(const Setting<D>& setting, const StateCallback<D>& on_state, Observer& observer);

@@ -28,6 +28,13 @@ std::array<Vec<3>, 3> hat_gradients(const std::array<Vec<3>, 4>& x) {
   return {cross(f, g) / det, cross(g, e) / det, cross(e, f) / det};
 }
 
+template <int D>
+bool meet(const Box<D>& a, const Box<D>& b) {
+  for (int k = 0; k < D; ++k)
+    if (a.hi[k] < b.lo[k] || b.hi[k] < a.lo[k]) return false;
+  return true;
+}
+
 }  // namespace
 
 template <int D>
@@ -181,20 +188,28 @@ double FillingField<D>::at(const Vec<D>& x) const {
 }
 
 template <int D>
+std::optional<double> FillingField<D>::constant_on(const Box<D>& box) const {
+  std::optional<double> constant;
+  const bool varies = tree_.find([&](const Box<D>& other) { return meet(other, box); },
+                                 [&](std::uint32_t s) {
+                                   if (!meet(this->box(simplices_[s]), box)) return false;
+                                   const auto value = values(simplices_[s]);
+                                   if (!constant) constant = value[0];
+                                   return std::ranges::any_of(value, [&](double v) { return v != *constant; });
+                                 });
+  return varies ? std::nullopt : constant;
+}
+
+template <int D>
 Interval FillingField<D>::range(const Box<D>& box) const {
   Interval range = {std::numeric_limits<double>::infinity(), 0};
   const auto& nodes = tree_.nodes();
-  const auto meets = [&](const Box<D>& other) {
-    for (int k = 0; k < D; ++k)
-      if (other.hi[k] < box.lo[k] || box.hi[k] < other.lo[k]) return false;
-    return true;
-  };
   const auto is_news = [&](const typename BoxTree<D>::Node& node) {
     const double most = largest_[static_cast<std::size_t>(&node - nodes.data())];
-    return (node.value < range.lo || most > range.hi) && meets(node.box);
+    return (node.value < range.lo || most > range.hi) && meet(node.box, box);
   };
   tree_.for_each_below(is_news, [&](std::uint32_t s) {
-    if (!meets(this->box(simplices_[s]))) return;
+    if (!meet(this->box(simplices_[s]), box)) return;
     const auto value = values(simplices_[s]);
     range = {std::min(range.lo, std::ranges::min(value)), std::max(range.hi, std::ranges::max(value))};
   });

@@ -33,6 +33,9 @@ class FillingField {
   /// What the values at points of the field in a box are between; zero and infinity where the box may have none.
   [[nodiscard]] Interval range(const Box<D>& box) const;
 
+  /// The value of the field in a box, if it has one value in all simplices whose boxes meet it.
+  [[nodiscard]] std::optional<double> constant_on(const Box<D>& box) const;
+
  private:
   template <std::size_t N>
   [[nodiscard]] std::array<Vec<D>, N> corners(const std::array<VertexId, N>& vertices) const;

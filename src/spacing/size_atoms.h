@@ -101,6 +101,10 @@ class SizeAtoms {
     for (const FillingField<D>& field : fields_) bound = std::min(bound, field.at(x));
     return bound;
   }
+  /// The value of the field in a box, if there is one field and it has one value there.
+  [[nodiscard]] std::optional<double> fields_constant(const Box<D>& box) const {
+    return fields_.size() == 1 ? fields_[0].constant_on(box) : std::nullopt;
+  }
   /// The least of `bound`, all atoms, region values and fields at x.
   [[nodiscard]] double minimum(const Vec<D>& x, double bound) const;
 

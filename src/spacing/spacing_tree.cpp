@@ -134,13 +134,22 @@ std::optional<double> SpacingTree<D>::constant_on(const Box<D>& box) const {
   std::array<Entry, kLevels*((1U << D) - 1) + 1> stack;
   std::size_t size = 0;
   stack[size++] = {nodes_[0], 0, {}};
+  // Where nothing but fields decides, they are asked for the box as a whole.
+  std::optional<std::optional<double>> known;
+  const auto of_fields = [&] {
+    if (!known) known = sources_->sizes.fields_constant(box);
+    return *known;
+  };
   std::optional<double> constant;
   while (size > 0) {
     const Entry entry = stack[--size];
     if ((entry.node & kLeafBit) != 0) {
       const Leaf& leaf = leaves_[entry.node & ~kLeafBit];
-      if (!leaf.is_constant() || (constant && *constant != leaf.constant)) return std::nullopt;
-      constant = leaf.constant;
+      const std::optional<double> here = leaf.is_constant()    ? std::optional(leaf.constant)
+                                         : leaf.has_no_lists() ? of_fields()
+                                                               : std::nullopt;
+      if (!here || (constant && *constant != *here)) return std::nullopt;
+      constant = here;
       continue;
     }
     const int shift = kLevels - entry.level - 1;

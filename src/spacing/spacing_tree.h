@@ -61,8 +61,9 @@ class SpacingTree {
     std::uint64_t first_pair = 0, first_near = 0, first_atom = 0, first_region = 0;
     std::uint32_t n_pairs = 0, n_atoms = 0, n_regions = 0;
     bool search_pairs = false, search_atoms = false, asks_fields = false;
-    [[nodiscard]] bool is_constant() const {
-      return n_pairs == 0 && n_atoms == 0 && n_regions == 0 && !search_pairs && !search_atoms && !asks_fields;
+    [[nodiscard]] bool is_constant() const { return has_no_lists() && !asks_fields; }
+    [[nodiscard]] bool has_no_lists() const {
+      return n_pairs == 0 && n_atoms == 0 && n_regions == 0 && !search_pairs && !search_atoms;
     }
   };
 

@@ -142,7 +142,13 @@ class AdaptTest(CommandLineTest):
     def test_what_estimates_do_not_see_is_told(self):
         self.write("varied.toml", CASE.replace("[equation]", '[equation]\nconductivity = "1 + x"\nreaction = 2'))
         figures = self.adapt("--cycles", "1", case="varied.toml")
-        self.assertEqual(len(figures["not_estimated"]), 2)
+        self.assertNotIn("not_estimated", figures)
+        self.assertNotIn("not in the estimate", self.output)
+        self.succeed("mesh", "square.poly", "-o", "other.vtu", "--size", "0.2", "--quiet")
+        self.write("array.toml", CASE.replace("[equation]", '[equation]\nreaction = {array = "spacing", '
+                                              'file = "other.vtu", transfer = "interpolate"}'))
+        figures = self.adapt("--cycles", "1", case="array.toml")
+        self.assertEqual(figures["not_estimated"], ["equation.reaction between the vertices of its array"])
         self.assertIn("not in the estimate", self.output)
 
     def test_what_is_refused(self):

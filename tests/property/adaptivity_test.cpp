@@ -7,7 +7,9 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <numeric>
 
+#include "adaptivity/consistency.h"
 #include "support/cases.h"
 #include "voropack/boundary_areas.h"
 #include "voropack/cell_integrals.h"
@@ -100,7 +102,6 @@ double slope(const Cycle& a, const Cycle& b) {
 }
 
 void expect_effective_after_two(const std::vector<Cycle>& cycles) {
-  if (std::getenv("SHOW")) for (const Cycle& c : cycles) printf("%g %g %.3f\n", c.n_vertices, c.error, c.effectivity);
   for (std::size_t k = 2; k < cycles.size(); ++k) {
     EXPECT_GE(cycles[k].effectivity, 0.5) << "cycle " << k;
     EXPECT_LE(cycles[k].effectivity, 2) << "cycle " << k;
@@ -178,6 +179,9 @@ struct Terms {
   bool varying_kappa = false, reaction = false, robin = false, source_at_sites = false, kappa_by_u = false;
 };
 
+/// x of what is on the side x = 1, up to rounding.
+constexpr double kOnSide = 1 - 1e-9;
+
 template <int D>
 Solution<D> solve_terms(const Mesh<D>& mesh, const Terms& terms) {
   Solution<D> result{build_control_volumes(mesh), build_boundary_areas(mesh), {}, {}, 0};
@@ -190,8 +194,8 @@ Solution<D> solve_terms(const Mesh<D>& mesh, const Terms& terms) {
   };
   const auto sigma = [=](const Vec<D>& x) { return terms.reaction ? 300 * (1 + x[0]) : 0.0; };
   const auto source = [=](const Vec<D>& x, int) {
-    const double along = terms.kappa_by_u ? 0.3 * (u_x(x) * u_x(x) + u_y(x) * u_y(x))
-                                          : (terms.varying_kappa ? 3 * u_x(x) : 0.0);
+    const double along =
+        terms.kappa_by_u ? 0.3 * (u_x(x) * u_x(x) + u_y(x) * u_y(x)) : (terms.varying_kappa ? 3 * u_x(x) : 0.0);
     return -kappa(x) * (along - 12 * u(x)) + sigma(x) * u(x);
   };
   if (terms.varying_kappa) problem.conductivity = RegionFunction<D>([=](const Vec<D>& x, int) { return kappa(x); });
@@ -208,7 +212,7 @@ Solution<D> solve_terms(const Mesh<D>& mesh, const Terms& terms) {
                                                        std::function<double(const Vec<D>&, int)>(source));
   for (const PatchId p : ids(result.areas.patch_marker)) {
     const int marker = result.areas.patch_marker[p];
-    if (terms.robin && result.areas.patch_centroid[p][0] == 1)
+    if (terms.robin && result.areas.patch_centroid[p][0] > kOnSide)
       problem.conditions[marker] = Robin<D>{2.0, [=](const Vec<D>& x) { return u(x) + kappa(x) * u_x(x) / 2; }};
     else if (!problem.conditions.contains(marker))
       problem.conditions[marker] = Dirichlet<D>{u};
@@ -221,13 +225,12 @@ Solution<D> solve_terms(const Mesh<D>& mesh, const Terms& terms) {
   return result;
 }
 
-/// The first terms make most of the error: without them the effectivity is 0.1 to 0.4.
-const std::vector<Terms> kTerms = {{.reaction = true},
-                                   {.source_at_sites = true},
-                                   {.varying_kappa = true},
-                                   {.robin = true},
-                                   {.kappa_by_u = true},
-                                   {.varying_kappa = true, .reaction = true, .robin = true, .source_at_sites = true}};
+/// Without the term in the estimate, the effectivity after two cycles was 0.23 to 0.42 with reaction, 0.70 to 0.79 with
+/// kappa that varies, 0.51 to 0.55 where it depends on u.
+const std::vector<Terms> kTerms = {
+    {.reaction = true},      {.source_at_sites = true},
+    {.varying_kappa = true}, {.robin = true},
+    {.kappa_by_u = true},    {.varying_kappa = true, .reaction = true, .robin = true, .source_at_sites = true}};
 
 TEST(Adaptivity, TermsTakenAtSitesAreInTheEstimateInThePlane) {
   for (std::size_t k = 0; k < kTerms.size(); ++k) {
@@ -245,6 +248,69 @@ TEST(Adaptivity, TermsTakenAtSitesAreInTheEstimateInSpace) {
         uniform_mesh(domains::unit_box<3>(), 0.35), [&](const Mesh<3>& m) { return solve_terms(m, kTerms[k]); }, 3, 3,
         false));
   }
+}
+
+/// u = x y + y^2 with its derivatives, for which the rules of integration are exact.
+template <int D>
+struct Quadratic {
+  Mesh<D> mesh = uniform_mesh(domains::unit_box<D>(), 0.2);
+  ControlVolumes<D> volumes = build_control_volumes(mesh);
+  BoundaryAreas<D> areas = build_boundary_areas(mesh);
+  DiffusionProblem<D> problem;
+  VertexValues values;
+
+  static double u(const Vec<D>& x) { return x[0] * x[1] + x[1] * x[1]; }
+  Quadratic() {
+    for (const Vec<D>& x : mesh.points) values.push_back(u(x));
+  }
+  /// What all cells miss.
+  [[nodiscard]] double total() const {
+    RecoveredDerivatives<D> derivatives;
+    for (const VertexId v : volumes.cell_vertex) {
+      const Vec<D>& x = mesh.points[v];
+      Vec<D> gradient;
+      gradient[0] = x[1], gradient[1] = x[0] + 2 * x[1];
+      derivatives.gradient.push_back(gradient);
+      if constexpr (D == 2)
+        derivatives.hessian.push_back({0, 1, 2});
+      else
+        derivatives.hessian.push_back({0, 1, 0, 2, 0, 0});
+    }
+    const auto errors = find_consistency_errors<D>({mesh, volumes, problem, values, derivatives});
+    return std::accumulate(errors.begin(), errors.end(), 0.0);
+  }
+};
+
+template <int D>
+void expect_exact_integrals() {
+  Quadratic<D> cells;
+  cells.problem.reaction = 5.0;
+  cells.problem.source = RegionFunction<D>([](const Vec<D>& x, int) { return x[0] * x[0]; });
+  double at_sites = 0;
+  for (const CellId c : ids(cells.volumes.cell_volume)) {
+    const Vec<D>& x = cells.volumes.sites[cells.volumes.cell_vertex[c]];
+    at_sites += cells.volumes.cell_volume[c] * (5 * cells.u(x) - x[0] * x[0]);
+  }
+  EXPECT_NEAR(cells.total(), 5 * (1.0 / 4 + 1.0 / 3) - 1.0 / 3 - at_sites, 1e-10);
+  EXPECT_GT(std::abs(cells.total()), 1e-3);
+
+  // On x = 1 what enters is 3 (2 y^2 - u) = 3 (y^2 - y).
+  Quadratic<D> side;
+  at_sites = 0;
+  for (const PatchId p : ids(side.areas.patch_marker)) {
+    if (side.areas.patch_centroid[p][0] < kOnSide) continue;
+    side.problem.conditions[side.areas.patch_marker[p]] =
+        Robin<D>{3.0, [](const Vec<D>& x) { return 2 * x[1] * x[1]; }};
+    const double y = side.mesh.points[side.areas.patch_vertex[p]][1];
+    at_sites += side.areas.patch_area[p] * 3 * (y * y - y);
+  }
+  EXPECT_NEAR(side.total(), at_sites - 3 * (1.0 / 3 - 1.0 / 2), 1e-10);
+  EXPECT_GT(std::abs(side.total()), 1e-3);
+}
+
+TEST(Adaptivity, WhatIsTakenAtSitesIsIntegrated) {
+  expect_exact_integrals<2>();
+  expect_exact_integrals<3>();
 }
 
 /// u is linear on both sides of the interface at x = 1: a kink, and nothing else.
