@@ -44,19 +44,20 @@ struct ErrorEstimate {
   double smooth = 0;   ///< The W norm of `error`.
   double rough = 0;    ///< 0.8 times the W norm of RecoveredDerivatives::misfit: singularities, and unresolved layers.
   VertexValues error;  ///< [n_vertices] u_h - u as far as the recovered derivatives explain it.
-  EdgeValues defect;   ///< [n_faces] U1 - U2 on each dual face: difference quotient less mean flux.
-  double truncation =
-      0;  ///< || U1 - U2 ||_W; at least `smooth` if kappa = 1 and u is given on the boundary (Theorem 2.1).
+  EdgeValues defect;   ///< [n_faces] U1 - U2 on each dual face: difference quotient less mean flux over kappa there.
+  double truncation = 0;  ///< || U1 - U2 ||_W; at least `smooth` if kappa = 1, nothing is taken at sites and u is given
+                          ///< on the boundary.
 };
 
 /// Solves for the error. With e = u_h - u, the exact fluxes U2 and the difference quotients U1 of the exact solution,
-/// where kappa is constant in each region and the source is integrated over cells,
 ///
-///     sum_j c_ij (e_i - e_j) + sigma_i |V_i| e_i = sum_j c_ij h_ij (U2_ij - U1_ij), e = 0 where u is given.
+///     sum_j c_ij (e_i - e_j) + sigma_i |V_i| e_i = sum_j c_ij h_ij (U2_ij - U1_ij) + d_i, e = 0 where u is given.
 ///
-/// U1 - U2 is that of the recovered polynomials (docs/theory/adaptivity.md). A problem that depends on u is
-/// linearized about `values`. What is made by kappa that varies inside a region, by taking reaction, Robin conditions
-/// and sources at vertices, is not in the estimate. Cost: as `solve`. Throws: as `solve`; InputError
+/// U1 - U2 is that of the recovered polynomials, with kappa as it varies over the dual face; d_i is what reaction,
+/// sources and Robin conditions add that are taken at sites, by integrals over cells and patches
+/// (docs/theory/adaptivity.md). `problem` has to be the one that was solved, with the same `source_integrals`. A
+/// problem that depends on u is linearized about `values`. What is given by vertex is taken as constant in cells;
+/// conditions inside the domain are not in the estimate. Cost: as `solve`. Throws: as `solve`; InputError
 /// adapt.wrong_length.
 template <int D>
 ErrorEstimate estimate_error(const Mesh<D>& mesh, const ControlVolumes<D>& volumes, const BoundaryAreas<D>& boundary,
