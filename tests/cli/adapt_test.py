@@ -1,4 +1,6 @@
 """`solve --adapt` meets tolerances and budgets, writes every mesh of the way, and goes on from mesh to mesh."""
+import pathlib
+import shutil
 import unittest
 import xml.etree.ElementTree
 
@@ -7,6 +9,7 @@ import numpy
 
 from harness import CommandLineTest, box_poly, square_poly, two_boxes_poly
 
+EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
 LAYER = "tanh((x-0.5)/0.05)"
 CASE = f"""
 [domain]
@@ -150,6 +153,15 @@ class AdaptTest(CommandLineTest):
         figures = self.adapt("--cycles", "1", case="array.toml")
         self.assertEqual(figures["not_estimated"], ["equation.reaction between the vertices of its array"])
         self.assertIn("not in the estimate", self.output)
+
+    def test_examples_are_adapted(self):
+        shutil.copytree(EXAMPLES, self.folder / "examples")
+        for name, fall in (("corner", 0.6), ("edge", 0.8), ("exponential", 0.75), ("layer", 0.5)):
+            cycles = self.adapt("--cycles", "2", "--growth", "3", "-o", f"{name}.vtu",
+                                case=f"examples/cases/{name}.toml")["cycles"]
+            self.assertEqual(len(cycles), 3)
+            self.assertLess(cycles[-1]["error"] / cycles[0]["error"], fall ** 2, name)
+            self.assertTrue(0.5 < cycles[-1]["effectivity"] < 2, (name, cycles[-1]))
 
     def test_what_is_refused(self):
         in_time = CASE + '[time]\nend = 1.0\n'
