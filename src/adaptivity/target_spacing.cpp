@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "adaptivity/cell_neighbors.h"
 #include "mesh/edge_graph.h"
@@ -17,10 +18,14 @@ namespace {
 constexpr int kAverages = 2;
 /// Where the solution is straight, f would be infinite: it grows to this multiple of its least value at most.
 constexpr double kLargestRatio = 32;
-/// The least value is kept up to where this multiple of it would do: there irregular cells beside the lattice cost less
-/// than more of the lattice does. Measured, as what follows.
+/// Squares of errors: of irregular cells this times f^2 |H|^2, of a lattice f^4 T^2, by volume. Measured.
 template <int D>
-constexpr double kFirstStep = D == 2 ? 2.5 : 2;
+constexpr double kIrregularity = D == 2 ? 1.5 : 0.3;
+/// What is tried as the first step: the least of them, each so many times the one before, and how many.
+template <int D>
+constexpr double kLeastFirstStep = D == 2 ? 2.5 : 2;
+constexpr double kStepFactor = 1.1;
+constexpr int kFirstSteps = 15;
 /// Beyond, f grows in steps of 2 in space; in the plane, where lattices fit a wider range of f, as it likes.
 template <int D>
 constexpr bool kGrowsInSteps = D == 3;
@@ -42,27 +47,69 @@ IdVector<CellId, double> smoothed(const Csr<CellId, CellId>& neighbors, IdVector
   return x;
 }
 
-/// [n_vertices] f over its least value.
+/// How the solution bends at each vertex.
+struct Bends {
+  VertexValues volume;
+  VertexValues curvature2, third2;  ///< Squares of the norms of the second and third derivatives.
+  VertexValues ratio;               ///< f over its least value, if it could vary as it likes.
+};
+
+/// f over its least value, which is kept up to where `first_step` of it would do.
 template <int D>
-VertexValues spacing_ratios(const ControlVolumes<D>& volumes, const RecoveredDerivatives<D>& derivatives) {
+double stepped(double ratio, double first_step) {
+  if (ratio < first_step) return 1;
+  return kGrowsInSteps<D> ? std::exp2(std::floor(std::log2(ratio / first_step)) + 1) : ratio;
+}
+
+/// The first step with the least predicted error, if the integral of f^-D shall be `wanted`: a lattice that ends early
+/// has smaller cells, but irregular ones where the solution bends.
+template <int D>
+double choose_first_step(const Bends& bends, double wanted) {
+  double best = kLeastFirstStep<D>, least = std::numeric_limits<double>::infinity();
+  double first_step = best;
+  for (int step = 0; step < kFirstSteps; ++step, first_step *= kStepFactor) {
+    double count = 0, lattice = 0, irregular = 0;
+    for (const VertexId v : ids(bends.volume)) {
+      const double volume = bends.volume[v], ratio = bends.ratio[v];
+      count += volume * std::pow(stepped<D>(ratio, first_step), -D);
+      (ratio < first_step ? lattice : irregular) +=
+          volume * (ratio < first_step ? bends.third2[v] : bends.curvature2[v]);
+    }
+    const double f2 = std::pow(count / wanted, 2.0 / D);
+    const double error2 = f2 * f2 * lattice + kIrregularity<D> * f2 * irregular;
+    if (error2 < least) {
+      least = error2;
+      best = first_step;
+    }
+  }
+  return best;
+}
+
+template <int D>
+Bends find_bends(const ControlVolumes<D>& volumes, const RecoveredDerivatives<D>& derivatives) {
   const std::size_t n = volumes.cell_vertex.size();
   const Csr<CellId, CellId> neighbors = cell_neighbors(cells_of_faces(volumes), n);
   const auto curvature = smoothed(neighbors, derivatives.curvature), third = smoothed(neighbors, derivatives.third);
-  VertexValues product(volumes.sites.size(), 0.0);
+  const std::size_t n_vertices = volumes.sites.size();
+  Bends bends{.volume = VertexValues(n_vertices, 0.0),
+              .curvature2 = VertexValues(n_vertices, 0.0),
+              .third2 = VertexValues(n_vertices, 0.0),
+              .ratio = VertexValues(n_vertices, 1.0)};
+  VertexValues product(n_vertices, 0.0);
   for (const CellId c : ids(curvature)) {
     const VertexId v = volumes.cell_vertex[c];
+    bends.volume[v] += volumes.cell_volume[c];
+    bends.curvature2[v] = std::max(bends.curvature2[v], curvature[c] * curvature[c]);
+    bends.third2[v] = std::max(bends.third2[v], third[c] * third[c]);
     product[v] = std::max(product[v], curvature[c] * third[c]);
   }
   const double largest = *std::ranges::max_element(product);
-  VertexValues ratios(product.size(), 1.0);
-  if (!(largest > 0)) return ratios;
-  parallel_for(ratios.size(), [&](std::size_t i) {
+  if (!(largest > 0)) return bends;
+  parallel_for(n_vertices, [&](std::size_t i) {
     const VertexId v(i);
-    const double ratio = std::min(std::pow(product[v] / largest, -1.0 / (D + 3)), kLargestRatio);
-    if (ratio < kFirstStep<D>) return;
-    ratios[v] = kGrowsInSteps<D> ? std::exp2(std::floor(std::log2(ratio / kFirstStep<D>)) + 1) : ratio;
+    bends.ratio[v] = std::min(std::pow(product[v] / largest, -1.0 / (D + 3)), kLargestRatio);
   });
-  return ratios;
+  return bends;
 }
 
 }  // namespace
@@ -83,19 +130,20 @@ VertexValues target_spacing(const ControlVolumes<D>& volumes, const RecoveredDer
                                                   spacing.size(), derivatives.curvature.size(), volumes.sites.size(),
                                                   volumes.cell_vertex.size()),
                            .fix = "give one spacing for each vertex, and derivatives recovered on the same mesh"});
-  const VertexValues ratios = spacing_ratios(volumes, derivatives);
-  VertexValues volume(spacing.size(), 0.0);
-  for (const CellId c : ids(volumes.cell_volume)) volume[volumes.cell_vertex[c]] += volumes.cell_volume[c];
+  const Bends bends = find_bends(volumes, derivatives);
+  double first_step = 1;
   const auto at = [&](VertexId v, double k) {
-    return std::clamp(k * ratios[v], options.least_factor * spacing[v], options.largest_factor * spacing[v]);
+    return std::clamp(k * stepped<D>(bends.ratio[v], first_step), options.least_factor * spacing[v],
+                      options.largest_factor * spacing[v]);
   };
   const auto density = [&](auto&& f) {
     double sum = 0;
-    for (const VertexId v : ids(spacing)) sum += volume[v] * std::pow(f(v), -D);
+    for (const VertexId v : ids(spacing)) sum += bends.volume[v] * std::pow(f(v), -D);
     return sum;
   };
   const double wanted =
       density([&](VertexId v) { return spacing[v]; }) * options.n_vertices / static_cast<double>(spacing.size());
+  first_step = choose_first_step<D>(bends, wanted);
   // The density falls with k.
   double lo = std::log(1e-12 * *std::ranges::min_element(spacing));
   double hi = std::log(1e12 * *std::ranges::max_element(spacing));
