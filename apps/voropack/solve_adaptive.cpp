@@ -131,18 +131,19 @@ class Mesher {
   /// The next mesh; nothing if there is none with more vertices that are not too many. `derivatives` are those of the
   /// solution on the mesh of the setting. A mesh for a field of the user's may be of any size.
   std::optional<NextMesh<D>> operator()(const Setting<D>& setting, const RecoveredDerivatives<D>& derivatives,
-                                        double wanted, StageTimes& times) const {
+                                        TargetOptions target, StageTimes& times) const {
     StageClock clock(observer_, times);
     std::optional<Made> best;
-    double aim = wanted, work = 0;
+    const double wanted = target.n_vertices;
+    double work = 0;
     for (int trial = 0; trial < kMostTrials && work <= kMostWork * std::max(wanted, kSmallMesh); ++trial) {
-      Made made = make(setting, derivatives, aim, clock);
+      Made made = make(setting, derivatives, target, clock);
       const auto n = static_cast<double>(made.mesh.points.size());
       work += n;
       const bool fits = !wishes_.max_vertices || n <= static_cast<double>(*wishes_.max_vertices);
       if (fits && (!best || n > static_cast<double>(best->mesh.points.size()))) best = std::move(made);
       if (fits && n >= kLeastCount * wanted) break;
-      aim *= 0.95 * wanted / n;
+      target.n_vertices *= 0.95 * wanted / n;
     }
     if (!best || (!guide_ && best->mesh.points.size() <= setting.mesh.points.size())) return std::nullopt;
     NextMesh<D> next{.mesh = std::move(best->mesh), .n_kept = best->n_kept};
@@ -166,9 +167,8 @@ class Mesher {
   };
 
   Spacing<D> next_spacing(const Mesh<D>& mesh, const ControlVolumes<D>& volumes,
-                          const RecoveredDerivatives<D>& derivatives, double wanted, Observer& observer) const {
+                          const RecoveredDerivatives<D>& derivatives, TargetOptions target, Observer& observer) const {
     observer.begin_stage("spacing");
-    TargetOptions target{.n_vertices = wanted};
     if (keeps_all()) target.largest_factor = 1;
     const SpacingOptions options{options_.gradation, options_.feature_factor, edge_per_spacing<D>(options_.packing)};
     if (!guide_)
@@ -181,9 +181,9 @@ class Mesher {
                            options, options_.packing, observer);
   }
 
-  Made make(const Setting<D>& setting, const RecoveredDerivatives<D>& derivatives, double wanted,
+  Made make(const Setting<D>& setting, const RecoveredDerivatives<D>& derivatives, const TargetOptions& target,
             Observer& observer) const {
-    Spacing<D> spacing = next_spacing(setting.mesh, setting.volumes, derivatives, wanted, observer);
+    Spacing<D> spacing = next_spacing(setting.mesh, setting.volumes, derivatives, target, observer);
     const auto with_caps = [&](const std::vector<SpacingCap<D>>& caps) {
       return caps.empty() ? spacing : spacing.with_caps(caps);
     };
@@ -458,7 +458,9 @@ Solved<D> solve_adaptively(Setting<D>& setting, const Domain<D>& domain, const A
     // What cannot be made or solved leaves what was there before.
     try {
       const auto start = std::chrono::steady_clock::now();
-      std::optional<NextMesh<D>> next = make_next(setting, derivatives, *wanted, report.times);
+      std::optional<NextMesh<D>> next =
+          make_next(setting, derivatives, {.n_vertices = *wanted, .is_resolved = figures.cycles.back().is_resolved()},
+                    report.times);
       if (!next || !next->certificate.ok) {
         figures.end = next                  ? AdaptiveEnd::kNotCertified
                       : follows_field       ? AdaptiveEnd::kNoMeshForField

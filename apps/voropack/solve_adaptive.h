@@ -43,6 +43,8 @@ struct AdaptiveCycle {
   double estimate = 0, smooth = 0, rough = 0, truncation = 0;
   std::optional<double> error{};  ///< In the W norm, if the exact solution is known.
   std::optional<std::uint64_t> n_kept{};
+  /// Most of the estimate is of what derivatives explain.
+  [[nodiscard]] bool is_resolved() const { return smooth > rough; }
   bool is_trusted = true;              ///< There are enough vertices inside for an estimate.
   std::optional<bool> is_certified{};  ///< Unknown of a mesh that the user brought.
   double seconds = 0;                  ///< To mesh, solve and estimate.

@@ -69,6 +69,9 @@ struct TargetOptions {
   double n_vertices = 0;  ///< Wanted number of vertices. > 0.
   /// f changes by no more than these factors from one mesh to the next.
   double least_factor = 0.25, largest_factor = 4;
+  /// The present mesh resolves the solution: most of the error is ErrorEstimate::smooth. Then third derivatives say how
+  /// far a lattice should reach.
+  bool is_resolved = false;
 };
 
 /// [n_vertices of the present mesh] the spacing that makes the error small with the wanted number of vertices, by the

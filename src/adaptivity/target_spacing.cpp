@@ -18,14 +18,15 @@ namespace {
 constexpr int kAverages = 2;
 /// Where the solution is straight, f would be infinite: it grows to this multiple of its least value at most.
 constexpr double kLargestRatio = 32;
-/// Squares of errors: of irregular cells this times f^2 |H|^2, of a lattice f^4 T^2, by volume. Measured.
+/// The least value is kept up to where this multiple of it would do: there irregular cells beside the lattice cost less
+/// than more of the lattice does. Measured, as what follows.
 template <int D>
-constexpr double kIrregularity = D == 2 ? 1.5 : 0.3;
-/// What is tried as the first step: the least of them, each so many times the one before, and how many.
-template <int D>
-constexpr double kLeastFirstStep = D == 2 ? 2.5 : 2;
+constexpr double kFirstStep = D == 2 ? 2.5 : 2;
+/// In the plane also up to larger multiples: each so many times the one before, and how many are tried.
 constexpr double kStepFactor = 1.1;
 constexpr int kFirstSteps = 15;
+/// Squares of errors, by volume: of irregular cells this times f^2 |H|^2, of a lattice f^4 T^2.
+constexpr double kIrregularity = 1.5;
 /// Beyond, f grows in steps of 2 in space; in the plane, where lattices fit a wider range of f, as it likes.
 template <int D>
 constexpr bool kGrowsInSteps = D == 3;
@@ -65,7 +66,7 @@ double stepped(double ratio, double first_step) {
 /// has smaller cells, but irregular ones where the solution bends.
 template <int D>
 double choose_first_step(const Bends& bends, double wanted) {
-  double best = kLeastFirstStep<D>, least = std::numeric_limits<double>::infinity();
+  double best = kFirstStep<D>, least = std::numeric_limits<double>::infinity();
   double first_step = best;
   for (int step = 0; step < kFirstSteps; ++step, first_step *= kStepFactor) {
     double count = 0, lattice = 0, irregular = 0;
@@ -76,7 +77,7 @@ double choose_first_step(const Bends& bends, double wanted) {
           volume * (ratio < first_step ? bends.third2[v] : bends.curvature2[v]);
     }
     const double f2 = std::pow(count / wanted, 2.0 / D);
-    const double error2 = f2 * f2 * lattice + kIrregularity<D> * f2 * irregular;
+    const double error2 = f2 * f2 * lattice + kIrregularity * f2 * irregular;
     if (error2 < least) {
       least = error2;
       best = first_step;
@@ -131,7 +132,7 @@ VertexValues target_spacing(const ControlVolumes<D>& volumes, const RecoveredDer
                                                   volumes.cell_vertex.size()),
                            .fix = "give one spacing for each vertex, and derivatives recovered on the same mesh"});
   const Bends bends = find_bends(volumes, derivatives);
-  double first_step = 1;
+  double first_step = kFirstStep<D>;
   const auto at = [&](VertexId v, double k) {
     return std::clamp(k * stepped<D>(bends.ratio[v], first_step), options.least_factor * spacing[v],
                       options.largest_factor * spacing[v]);
@@ -143,7 +144,7 @@ VertexValues target_spacing(const ControlVolumes<D>& volumes, const RecoveredDer
   };
   const double wanted =
       density([&](VertexId v) { return spacing[v]; }) * options.n_vertices / static_cast<double>(spacing.size());
-  first_step = choose_first_step<D>(bends, wanted);
+  if (D == 2 && options.is_resolved) first_step = choose_first_step<D>(bends, wanted);
   // The density falls with k.
   double lo = std::log(1e-12 * *std::ranges::min_element(spacing));
   double hi = std::log(1e12 * *std::ranges::max_element(spacing));
