@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/parallel.h"
 #include "geom/box_tree.h"
@@ -46,6 +47,7 @@ class Completer {
     for (int round = 0;; ++round) {
       observer_.check_cancelled();
       build_tree();
+      find_adjacent();
       labels_ = label_regions<D>(kernel_, faces);
       raise_radii();
       find_slope();
@@ -64,22 +66,44 @@ class Completer {
     std::vector<SpacingCap<D>> gaps;  ///< Balls of the simplices that want one.
   };
 
+  void find_adjacent() {
+    adjacent_ = adjacent_values<SphereId>(
+        packing_.center.size(), kernel_.n_slots(),
+        [&](std::size_t slot) { return kernel_.corners(static_cast<std::uint32_t>(slot)); },
+        [&](std::size_t slot) { return kernel_.is_finite(static_cast<std::uint32_t>(slot)); });
+  }
+
   void build_tree() {
+    std::vector<std::uint32_t> sphere_of(fine_.mesh.points.size(), kNoHint), order;
     std::vector<Box<D>> boxes;
-    boxes.reserve(packing_.center.size());
-    for (const Vec<D>& x : packing_.center) boxes.emplace_back(x, x);
-    tree_ = BoxTree<D>(boxes);
+    for (const SphereId s : ids(packing_.center)) {
+      sphere_of[level_.vertex[s.value()].value()] = s.value();
+      boxes.emplace_back(packing_.center[s], packing_.center[s]);
+    }
+    for (const std::uint32_t v : fine_.curve)
+      if (sphere_of[v] != kNoHint) order.push_back(sphere_of[v]);
+    tree_ = BoxTree<D>::along_curve(std::move(order), boxes);
   }
 
   void make_radii_lipschitz() {
     const std::vector<double>& before = packing_.radius.raw();
     tree_.set_values(before);
     std::vector<double> after(before.size());
-    parallel_for(after.size(), [&](std::size_t s) {
-      const Vec<D>& x = packing_.center[SphereId(s)];
-      after[s] = tree_.minimize(x, lipschitz_, before[s], [&](std::uint32_t t) {
-        return before[t] + lipschitz_ * distance(x, packing_.center[SphereId(t)]);
-      });
+    parallel_for(after.size(), [&](std::size_t i) {
+      const SphereId s(i);
+      const Vec<D>& x = packing_.center[s];
+      // A sphere inside overlaps none. Only those with a radius below (1 - b) / (1 + b) of its own can be too small.
+      const bool may_overlap = packing_.carrier[s].dimension < D;
+      const double below = may_overlap ? before[i] : (1 - lipschitz_) / (1 + lipschitz_) * (1 + kSlack) * before[i];
+      double least = before[i];
+      tree_.for_each_below(
+          [&](const auto& node) {
+            return node.value < below && node.value + lipschitz_ * std::sqrt(node.box.distance_sq(x)) < least;
+          },
+          [&](std::uint32_t t) {
+            least = std::min(least, before[t] + lipschitz_ * distance(x, packing_.center[SphereId(t)]));
+          });
+      after[i] = least;
     });
     packing_.radius.raw() = std::move(after);
   }
@@ -88,52 +112,81 @@ class Completer {
   /// one after the other, as far as they stay Lipschitz.
   void raise_radii() {
     constexpr int kPasses = 2;
-    const Csr<SphereId, SphereId> near = spheres_in_the_way();
+    const std::vector<double> most = radii_at_most();
+    const Csr<SphereId, SphereId> beyond = spheres_in_the_way(most);
     for (int pass = 0; pass < kPasses; ++pass)
       for (const SphereId s : ids(packing_.radius)) {
-        double most = std::numeric_limits<double>::infinity();
-        for (const SphereId t : near[s]) most = std::min(most, room_beside(s, t));
-        if (!near[s].empty()) packing_.radius[s] = std::max(packing_.radius[s], most);
+        if (most[s.value()] <= packing_.radius[s]) continue;
+        double room = most[s.value()];
+        for (const SphereId t : adjacent_[s]) room = std::min(room, room_beside(s, t));
+        for (const SphereId t : beyond[s]) room = std::min(room, room_beside(s, t));
+        packing_.radius[s] = std::max(packing_.radius[s], room);
       }
     make_radii_lipschitz();
   }
 
-  /// For each sphere that can rise: the adjacent ones, and others that it might get to overlap while radii rise.
-  [[nodiscard]] Csr<SphereId, SphereId> spheres_in_the_way() {
-    const std::size_t n = packing_.center.size();
-    const Csr<SphereId, SphereId> adjacent = adjacent_values<SphereId>(
-        n, kernel_.n_slots(), [&](std::size_t slot) { return kernel_.corners(static_cast<std::uint32_t>(slot)); },
-        [&](std::size_t slot) { return kernel_.is_finite(static_cast<std::uint32_t>(slot)); });
-    // However much room slopes may come to allow, adjacent spheres do not overlap. What has sharp neighbors only stays
-    // as it is. Negative: so a node's least value is the most of all below.
-    std::vector<double> minus_most(n);
-    parallel_for(n, [&](std::size_t i) {
+  /// However much room slopes may come to allow, adjacent spheres do not overlap. What has sharp neighbors only stays
+  /// as it is.
+  [[nodiscard]] std::vector<double> radii_at_most() const {
+    std::vector<double> most(packing_.center.size());
+    parallel_for(most.size(), [&](std::size_t i) {
       const SphereId s(i);
-      double most = std::numeric_limits<double>::infinity();
-      for (const SphereId t : adjacent[s])
+      double room = std::numeric_limits<double>::infinity();
+      for (const SphereId t : adjacent_[s])
         if (!are_sharp(s, t))
-          most = std::min(most, distance(packing_.center[s], packing_.center[t]) - packing_.radius[t]);
-      minus_most[i] = -(std::isfinite(most) ? std::max(most, packing_.radius[s]) : packing_.radius[s]);
+          room = std::min(room, distance(packing_.center[s], packing_.center[t]) - packing_.radius[t]);
+      most[i] = std::isfinite(room) ? std::max(room, packing_.radius[s]) : packing_.radius[s];
     });
-    tree_.set_values(minus_most);
-    return build_rows<SphereId, SphereId>(n, [&](SphereId s, std::vector<SphereId>& row) {
-      const double mine = -minus_most[s.value()];
-      if (mine <= packing_.radius[s]) return;
-      const Vec<D>& x = packing_.center[s];
-      const auto beside = adjacent[s];
-      row.insert(row.end(), beside.begin(), beside.end());
-      tree_.for_each_below(
-          [&](const auto& node) {
-            const double sum = mine - node.value;
-            return node.box.distance_sq(x) < sum * sum;
-          },
-          [&](std::uint32_t t) {
-            const double sum = mine - minus_most[t];
-            if (t != s.value() && distance_sq(x, packing_.center[SphereId(t)]) < sum * sum &&
-                !std::binary_search(beside.begin(), beside.end(), SphereId(t)))
-              row.push_back(SphereId(t));
-          });
+    return most;
+  }
+
+  /// For each sphere those that are not adjacent, but that it might get to overlap while radii rise up to `most`.
+  ///
+  /// Those with no larger a radius lie in a ball about its center, twice as large. All vertices in there are found
+  /// along edges that do not leave it: each has a neighbor that is nearer to the center.
+  [[nodiscard]] Csr<SphereId, SphereId> spheres_in_the_way(const std::vector<double>& most) const {
+    const std::size_t n = most.size();
+    struct Search {
+      std::vector<std::uint32_t> mark;
+      std::vector<SphereId> queue;
+    };
+    tbb::enumerable_thread_specific<Search> searches([&] {
+      return Search{std::vector<std::uint32_t>(n, kNoHint), {}};
     });
+    const Csr<SphereId, SphereId> smaller =
+        build_rows<SphereId, SphereId>(n, [&](SphereId s, std::vector<SphereId>& row) {
+          auto& [mark, queue] = searches.local();
+          const double mine = most[s.value()], reach = 2 * mine * (1 + kSlack);
+          const auto distance_to = [&](SphereId t) { return distance(packing_.center[s], packing_.center[t]); };
+          queue.clear();
+          mark[s.value()] = s.value();
+          for (const SphereId t : adjacent_[s]) {
+            mark[t.value()] = s.value();
+            if (distance_to(t) < reach) queue.push_back(t);
+          }
+          for (std::size_t k = 0; k < queue.size(); ++k)
+            for (const SphereId t : adjacent_[queue[k]]) {
+              if (std::exchange(mark[t.value()], s.value()) == s.value()) continue;
+              const double gap = distance_to(t);
+              if (gap < reach) queue.push_back(t);
+              if (gap < mine + most[t.value()] && most[t.value()] <= mine) row.push_back(t);
+            }
+        });
+    // They are in each other's way.
+    std::vector<std::array<SphereId, 2>> pairs;
+    for (const SphereId s : ids(packing_.radius))
+      for (const SphereId t : smaller[s]) {
+        pairs.push_back({s, t});
+        pairs.push_back({t, s});
+      }
+    std::sort(pairs.begin(), pairs.end());
+    Csr<SphereId, SphereId> result;
+    auto next = pairs.begin();
+    for (const SphereId s : ids(packing_.radius)) {
+      for (; next != pairs.end() && (*next)[0] == s; ++next) result.values.push_back((*next)[1]);
+      result.offsets.push_back(result.values.size());
+    }
+    return result;
   }
 
   [[nodiscard]] bool are_sharp(SphereId s, SphereId t) const {
@@ -152,18 +205,15 @@ class Completer {
   /// How steep f is along the edges at most.
   void find_slope() {
     slope_ = parallel_reduce_ordered(
-        kernel_.n_slots(), 16384, 0.0,
+        packing_.center.size(), 4096, 0.0,
         [&](std::size_t begin, std::size_t end) {
           double steepest_sq = 0;
-          for (std::size_t slot = begin; slot < end; ++slot) {
-            if (!kernel_.is_finite(static_cast<std::uint32_t>(slot))) continue;
-            const auto corners = kernel_.corners(static_cast<std::uint32_t>(slot));
-            for (std::size_t i = 0; i < D; ++i)
-              for (std::size_t j = i + 1; j <= D; ++j) {
-                const SphereId s(corners[i]), t(corners[j]);
-                const double rise = packing_.radius[s] - packing_.radius[t];
-                steepest_sq = std::max(steepest_sq, rise * rise / distance_sq(packing_.center[s], packing_.center[t]));
-              }
+          for (std::size_t i = begin; i < end; ++i) {
+            const SphereId s(i);
+            for (const SphereId t : adjacent_[s]) {
+              const double rise = packing_.radius[s] - packing_.radius[t];
+              steepest_sq = std::max(steepest_sq, rise * rise / distance_sq(packing_.center[s], packing_.center[t]));
+            }
           }
           return std::sqrt(steepest_sq);
         },
@@ -296,7 +346,8 @@ class Completer {
   const Observer& observer_;
   BallSet<D> balls_;
   DelaunayKernel<D> kernel_;
-  BoxTree<D> tree_;  ///< Of the centers.
+  Csr<SphereId, SphereId> adjacent_;  ///< Along the edges of the triangulation.
+  BoxTree<D> tree_;                   ///< Of the centers.
   RegionLabels<D> labels_;
   double slope_ = 0;                   ///< Largest measured one of the radii.
   std::vector<std::uint8_t> is_used_;  ///< By vertex of the finest mesh.

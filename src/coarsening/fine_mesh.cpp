@@ -69,6 +69,7 @@ std::vector<std::uint32_t> sorted_by(const std::vector<std::uint32_t>& keys, con
 template <int D>
 void FineMesh<D>::sort_vertices(const CoarseningOptions& options) {
   const std::size_t n = mesh.points.size();
+  curve = hilbert_order<D>(mesh.points.raw());
   std::vector<std::uint32_t> order;
   if (options.order == CoarseningOrder::kRandom) {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(n);
@@ -76,8 +77,8 @@ void FineMesh<D>::sort_vertices(const CoarseningOptions& options) {
     parallel_sort(keys.begin(), keys.end());
     for (const auto& [key, i] : keys) order.push_back(i);
   } else {
-    order = hilbert_order<D>(mesh.points.raw());
-    if (options.order == CoarseningOrder::kFront) order = sorted_by(steps_from_boundary(place, edges.neighbors), order);
+    order = options.order == CoarseningOrder::kFront ? sorted_by(steps_from_boundary(place, edges.neighbors), curve)
+                                                     : curve;
   }
   point_vertices.resize(place.domain.points.size());
   std::vector<std::vector<VertexId>> in_facet(D == 3 ? place.domain.facet_frame.size() : 0);

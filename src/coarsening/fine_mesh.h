@@ -1,6 +1,7 @@
 // What every level of a hierarchy needs to know of the finest mesh.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "mesh/edge_graph.h"
@@ -26,7 +27,8 @@ struct FineMesh {
   std::vector<VertexId> point_vertices;   ///< By PointId.
   Csr<FacetId, VertexId> facet_vertices;  ///< 3D: inside each facet, in the order in which they are tried.
   std::vector<std::uint8_t> is_outside;
-  std::vector<VertexId> interior;  ///< In no polytope below D, in the order in which they are tried.
+  std::vector<std::uint32_t> curve;  ///< All vertices, along a Hilbert curve.
+  std::vector<VertexId> interior;    ///< In no polytope below D, in the order in which they are tried.
 
   [[nodiscard]] bool is_interior(VertexId v) const {
     return place.carrier[v].dimension == D && (is_outside.empty() || is_outside[v.value()] == 0);

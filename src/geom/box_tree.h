@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "voropack/vec.h"
@@ -32,6 +33,18 @@ class BoxTree {
     nodes_.reserve(boxes.size());
     nodes_.emplace_back();
     build(0, 0, boxes.size(), boxes, values);
+  }
+
+  /// Of boxes that come along a space-filling curve, so that neighbors in `order` are neighbors in space, too: halves
+  /// of it are as good as those that would have to be found. O(n).
+  static BoxTree along_curve(std::vector<std::uint32_t> order, std::span<const Box<D>> boxes) {
+    BoxTree tree;
+    tree.order_ = std::move(order);
+    if (tree.order_.empty()) return tree;
+    tree.nodes_.reserve(tree.order_.size());
+    tree.nodes_.emplace_back();
+    tree.halve(0, 0, tree.order_.size(), boxes);
+    return tree;
   }
 
   /// Other values for the same items. O(n).
@@ -162,6 +175,23 @@ class BoxTree {
     nodes_.emplace_back();
     build(child, begin, middle, boxes, values);
     build(child + 1, middle, end, boxes, values);
+  }
+
+  void halve(std::uint32_t at, std::size_t begin, std::size_t end, std::span<const Box<D>> boxes) {
+    Box<D> box;
+    if (end - begin <= kLeafSize) {
+      for (std::size_t i = begin; i < end; ++i) box.add(boxes[order_[i]]);
+      nodes_[at] = {box, 0, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end - begin)};
+      return;
+    }
+    const auto child = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.emplace_back();
+    nodes_.emplace_back();
+    halve(child, begin, (begin + end) / 2, boxes);
+    halve(child + 1, (begin + end) / 2, end, boxes);
+    box.add(nodes_[child].box);
+    box.add(nodes_[child + 1].box);
+    nodes_[at] = {box, 0, child, 0};
   }
 
   /// Orders [begin, end) and returns where its second half begins.
