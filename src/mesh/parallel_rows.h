@@ -2,12 +2,16 @@
 #pragma once
 
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <tuple>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
@@ -51,20 +55,22 @@ Csr<I, T> build_rows(std::size_t n_rows, Fill&& fill) {
 /// `n_values`, for t < n_tuples; visited are those with exists(t). In parallel; O(n) for rows of bounded length.
 template <class V, class Tuple, class Exists>
 Csr<V, V> adjacent_values(std::size_t n_values, std::size_t n_tuples, Tuple&& tuple, Exists&& exists) {
-  // Tuples find a place in the rows of their values in any order: what is made of them is sorted.
-  std::vector<std::uint32_t> count(n_values + 1, 0);
-  parallel_for(n_tuples, [&](std::size_t t) {
-    if (!exists(t)) return;
-    for (const auto v : tuple(t)) std::atomic_ref(count[V(v).value()]).fetch_add(1, std::memory_order_relaxed);
-  });
-  std::vector<std::uint64_t> end(n_values + 1);
-  for (std::size_t v = 0; v < n_values; ++v) end[v + 1] = end[v] + count[v];
-  const auto around = std::make_unique_for_overwrite<std::uint32_t[]>(end[n_values]);
-  parallel_for(n_tuples, [&](std::size_t t) {
-    if (!exists(t)) return;
-    for (const auto v : tuple(t)) {
-      const std::uint32_t left = std::atomic_ref(count[V(v).value()]).fetch_sub(1, std::memory_order_relaxed);
-      around[end[V(v).value() + std::size_t{1}] - left] = static_cast<std::uint32_t>(t);
+  // Each value has a chain of tuples, in any order: what is made of them is sorted. Where it is in a tuple, the chain
+  // goes on.
+  using Values = std::decay_t<decltype(tuple(std::size_t{0}))>;
+  constexpr std::size_t kSize = std::tuple_size_v<Values>;
+  constexpr std::uint32_t kEnd = 0xffffffffU;
+  std::vector<std::uint32_t> first(n_values, kEnd);
+  const auto next = std::make_unique_for_overwrite<std::array<std::uint32_t, kSize>[]>(n_tuples);
+  // An atomic exchange takes as long as dozens of other instructions.
+  const bool is_alone = tbb::this_task_arena::max_concurrency() == 1;
+  parallel_for(n_tuples, [&](std::size_t number) {
+    if (!exists(number)) return;
+    const auto t = static_cast<std::uint32_t>(number);
+    const Values& values = tuple(number);
+    for (std::size_t i = 0; i < kSize; ++i) {
+      std::uint32_t& head = first[V(values[i]).value()];
+      next[t][i] = is_alone ? std::exchange(head, t) : std::atomic_ref(head).exchange(t, std::memory_order_relaxed);
     }
   });
 
@@ -74,14 +80,18 @@ Csr<V, V> adjacent_values(std::size_t n_values, std::size_t n_tuples, Tuple&& tu
   return build_rows<V, V>(n_values, [&](V v, std::vector<V>& row) {
     std::vector<std::uint32_t>& mark = marks.local();
     const auto begin = static_cast<std::ptrdiff_t>(row.size());
-    mark[v.value()] = v.value();
-    for (std::uint64_t k = end[v.value()]; k < end[v.value() + std::size_t{1}]; ++k)
-      for (const auto other : tuple(around[k])) {
-        const V w(other);
-        if (mark[w.value()] == v.value()) continue;
-        mark[w.value()] = v.value();
-        row.push_back(w);
+    for (std::uint32_t t = first[v.value()]; t != kEnd;) {
+      const Values& values = tuple(t);
+      std::uint32_t after = kEnd;
+      for (std::size_t i = 0; i < kSize; ++i) {
+        const V w(values[i]);
+        if (w == v)
+          after = next[t][i];
+        else if (std::exchange(mark[w.value()], v.value()) != v.value())
+          row.push_back(w);
       }
+      t = after;
+    }
     std::sort(row.begin() + begin, row.end());
   });
 }
