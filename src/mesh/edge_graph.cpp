@@ -64,7 +64,11 @@ class Descent {
   bool visit(VertexId v) {
     const Flag stale = flag(is_stale_[v.value()]);
     if (stale.load(std::memory_order_relaxed) == 0) return false;
-    stale.exchange(0, std::memory_order_acq_rel);
+    // Values are read after the mark is gone, which takes a processor long to make sure of for others.
+    if (is_alone_)
+      stale.store(0, std::memory_order_relaxed);
+    else
+      stale.exchange(0, std::memory_order_acq_rel);
     const auto row = graph_.neighbors[v];
     const auto lengths = graph_.lengths(v);
     const double before = value(v);
@@ -85,6 +89,7 @@ class Descent {
   const EdgeGraph& graph_;
   double lipschitz_;
   IdVector<VertexId, double>& f_;
+  bool is_alone_ = tbb::this_task_arena::max_concurrency() == 1;
   std::vector<std::uint8_t> is_stale_;  ///< Whether a neighbor has become too small since the vertex was looked at.
   std::vector<std::uint8_t> is_block_stale_;  ///< Whether another block has marked one of its vertices.
 };

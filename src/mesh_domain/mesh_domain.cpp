@@ -152,15 +152,20 @@ class DomainMaker {
 
   /// One seed in each part of the mesh that boundary faces enclose: in its largest simplex.
   void add_region_seeds(DomainInput<D>& input) const {
-    for (const auto& [root, part] : largest_simplices(find_parts())) {
+    for (const Part& part : find_parts()) {
       Vec<D> center;
-      for (const VertexId v : mesh_.simplex_vertices[part.second]) center += mesh_.points[v] / (D + 1.0);
-      input.region_seeds.push_back({center, mesh_.simplex_region[part.second], std::nullopt});
+      for (const VertexId v : mesh_.simplex_vertices[part.largest]) center += mesh_.points[v] / (D + 1.0);
+      input.region_seeds.push_back({center, mesh_.simplex_region[part.largest], std::nullopt});
     }
   }
 
-  /// For each simplex the smallest one of its part.
-  [[nodiscard]] std::vector<std::uint32_t> find_parts() const {
+  struct Part {
+    SimplexId first, largest;  ///< The first ones of it.
+    double size = 0;           ///< Of the largest one.
+  };
+
+  /// In the order of their first simplices.
+  [[nodiscard]] std::vector<Part> find_parts() const {
     std::set<std::array<VertexId, D>> walls;
     std::vector<std::uint8_t> on_wall(mesh_.points.size(), 0);
     for (std::array<VertexId, D> face : mesh_.boundary_vertices) {
@@ -168,59 +173,76 @@ class DomainMaker {
       std::sort(face.begin(), face.end());
       walls.insert(face);
     }
-    const auto are_joined = [&](SimplexId s, int i) {
-      const SimplexId t = mesh_.simplex_neighbors[s][static_cast<std::size_t>(i)];
-      if (mesh_.simplex_region[s] != mesh_.simplex_region[t]) return false;
-      std::array<VertexId, D> face = face_vertices<D>(mesh_, s, i);
-      if (std::ranges::any_of(face, [&](VertexId v) { return on_wall[v.value()] == 0; })) return true;
-      std::sort(face.begin(), face.end());
-      return !walls.contains(face);
+    // All simplices around a vertex off the walls are in one part, and stand for themselves only where all corners are
+    // on walls. So only across faces with all corners on walls it has to be seen whether there is one.
+    const std::size_t n_vertices = mesh_.points.size();
+    const auto is_off = [&](VertexId v) { return on_wall[v.value()] == 0; };
+    std::map<SimplexId, std::uint32_t> between_walls;
+    const auto member = [&](SimplexId s) {
+      const auto& corners = mesh_.simplex_vertices[s];
+      const auto off = std::ranges::find_if(corners, is_off);
+      return off != corners.end() ? off->value() : between_walls.at(s);
     };
-    // From each simplex to its smallest neighbor, and on: most of a part comes together so, and its smallest member is
-    // one of the few at which these paths end.
-    const std::size_t n = mesh_.simplex_vertices.size();
-    std::vector<std::uint32_t> part(n);
-    parallel_for(n, [&](std::size_t number) {
-      const SimplexId s(number);
-      part[number] = s.value();
-      for (int i = 0; i <= D; ++i) {
-        const SimplexId t = mesh_.simplex_neighbors[s][static_cast<std::size_t>(i)];
-        if (!t.is_none() && t.value() < part[number] && are_joined(s, i)) part[number] = t.value();
-      }
+    struct Crossing {
+      SimplexId simplex;
+      int corner;
+    };
+    const auto crossings = collect_from_simplices<Crossing>(mesh_, [&](SimplexId s, std::vector<Crossing>& out) {
+      const auto& corners = mesh_.simplex_vertices[s];
+      const auto n_off = std::ranges::count_if(corners, is_off);
+      if (n_off > 1) return;
+      for (int i = 0; i <= D; ++i)
+        if (n_off == 0 || is_off(corners[static_cast<std::size_t>(i)])) out.push_back({s, i});
     });
-    for (std::size_t s = 0; s < n; ++s) part[s] = part[part[s]];
-    DisjointSets sets(n);
-    parallel_for(n, [&](std::size_t number) {
-      const SimplexId s(number);
-      for (int i = 0; i <= D; ++i) {
-        const SimplexId t = mesh_.simplex_neighbors[s][static_cast<std::size_t>(i)];
-        if (!t.is_none() && t < s && part[number] != part[t.value()] && are_joined(s, i))
-          sets.join(part[number], part[t.value()]);
-      }
+    for (const Crossing& crossing : crossings)
+      if (std::ranges::none_of(mesh_.simplex_vertices[crossing.simplex], is_off))
+        between_walls.emplace(crossing.simplex, static_cast<std::uint32_t>(n_vertices + between_walls.size()));
+    DisjointSets sets(n_vertices + between_walls.size());
+    parallel_for(mesh_.simplex_vertices.size(), [&](std::size_t s) {
+      const auto& corners = mesh_.simplex_vertices[SimplexId(s)];
+      const auto first = std::ranges::find_if(corners, is_off);
+      for (auto v = first; v != corners.end(); ++v)
+        if (v != first && is_off(*v)) sets.join(first->value(), v->value());
     });
-    parallel_for(n, [&](std::size_t s) { part[s] = sets.find(part[s]); });
-    return part;
+    for (const auto& [s, corner] : crossings) {
+      const SimplexId t = neighbor_in_region(mesh_, s, corner);
+      std::array<VertexId, D> face = face_vertices<D>(mesh_, s, corner);
+      std::sort(face.begin(), face.end());
+      if (!t.is_none() && !walls.contains(face)) sets.join(member(s), member(t));
+    }
+    return list_parts([&](SimplexId s) { return sets.find(member(s)); });
   }
 
-  using LargestSimplices = std::map<std::uint32_t, std::pair<double, SimplexId>>;
-
-  /// The largest simplex of each part, the first one of several.
-  [[nodiscard]] LargestSimplices largest_simplices(const std::vector<std::uint32_t>& part) const {
-    const auto take = [](LargestSimplices& largest, std::uint32_t root, double size, SimplexId s) {
-      auto& [most, best] = largest[root];
-      if (best.is_none() || size > most) most = size, best = s;
+  /// part_of(simplex) is some number that all simplices of a part have.
+  template <class PartOf>
+  [[nodiscard]] std::vector<Part> list_parts(PartOf&& part_of) const {
+    using Parts = std::map<std::uint32_t, Part>;
+    const auto take = [](Part& part, const Part& other) {
+      if (part.first.is_none()) part.first = other.first;
+      if (part.largest.is_none() || other.size > part.size) part.largest = other.largest, part.size = other.size;
     };
-    return parallel_reduce_ordered(
-        mesh_.simplex_vertices.size(), 65536, LargestSimplices{},
+    const Parts all = parallel_reduce_ordered(
+        mesh_.simplex_vertices.size(), 65536, Parts{},
         [&](std::size_t begin, std::size_t end) {
-          LargestSimplices largest;
-          for (std::size_t s = begin; s < end; ++s) take(largest, part[s], measure(SimplexId(s)), SimplexId(s));
-          return largest;
+          Parts parts;
+          std::uint32_t number = 0;
+          Part* part = nullptr;  // Mostly that of the simplex before.
+          for (std::size_t i = begin; i < end; ++i) {
+            const SimplexId s(i);
+            if (const std::uint32_t other = part_of(s); part == nullptr || other != number)
+              part = &parts[number = other];
+            take(*part, {s, s, measure(s)});
+          }
+          return parts;
         },
-        [&](LargestSimplices all, const LargestSimplices& some) {
-          for (const auto& [root, best] : some) take(all, root, best.first, best.second);
-          return all;
+        [&](Parts some, const Parts& more) {
+          for (const auto& [number, part] : more) take(some[number], part);
+          return some;
         });
+    std::vector<Part> sorted;
+    for (const auto& [number, part] : all) sorted.push_back(part);
+    std::ranges::sort(sorted, {}, &Part::first);
+    return sorted;
   }
 
   [[nodiscard]] double measure(SimplexId s) const {
