@@ -15,6 +15,17 @@ namespace voropack {
 template <int D>
 Mesh<D> triangulate(const Domain<D>& domain, Packing<D> packing, Observer& observer = silent_observer());
 
+/// A mesh whose vertices are the centers of spheres.
+template <int D>
+struct PackingMesh {
+  Mesh<D> mesh;
+  IdVector<SphereId, VertexId> vertex_of_sphere;  ///< [n_spheres]
+};
+
+/// The same, and which sphere became which vertex.
+template <int D>
+PackingMesh<D> triangulate_packing(const Domain<D>& domain, Packing<D> packing, Observer& observer = silent_observer());
+
 /// The Delaunay triangulation of `points` alone, such as for tests and other programs' point sets.
 /// Identical points are an InputError delaunay.duplicate_points.
 template <int D>

@@ -342,20 +342,11 @@ class Coarsener {
     CoarseLevel<D> level;
     level.epsilon = packed.epsilon;
     level.growth = packed.growth;
-    std::vector<VertexId> vertex = std::move(packed.vertex);
-    const std::vector<Vec<D>> centers = packed.packing.center.raw();
-    level.mesh = triangulate(fine().place.domain, std::move(packed.packing), observer_);
-    // The mesh has the same points in another order.
-    const auto sorted = [](const std::vector<Vec<D>>& points) {
-      std::vector<std::uint32_t> order(points.size());
-      for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-      std::sort(order.begin(), order.end(),
-                [&](std::uint32_t a, std::uint32_t b) { return points[a].coord < points[b].coord; });
-      return order;
-    };
-    const std::vector<std::uint32_t> from = sorted(centers), to = sorted(level.mesh.points.raw());
-    level.finest_vertex.resize(vertex.size());
-    for (std::size_t i = 0; i < from.size(); ++i) level.finest_vertex[VertexId(to[i])] = vertex[from[i]];
+    PackingMesh<D> made = triangulate_packing(fine().place.domain, std::move(packed.packing), observer_);
+    level.mesh = std::move(made.mesh);
+    level.finest_vertex.resize(packed.vertex.size());
+    for (const SphereId s : ids(made.vertex_of_sphere))
+      level.finest_vertex[made.vertex_of_sphere[s]] = packed.vertex[s.value()];
     return level;
   }
 

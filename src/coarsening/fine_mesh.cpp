@@ -28,6 +28,7 @@ FineMesh<D>::FineMesh(const Mesh<D>& fine, MeshDomain<D> domain_and_carriers, co
   initial = std::move(spacing.initial);
   floor = std::move(spacing.nearest);
   sort_vertices(options);
+  group_interior();
 }
 
 constexpr std::uint32_t kNoKey = std::numeric_limits<std::uint32_t>::max();
@@ -90,6 +91,17 @@ void FineMesh<D>::sort_vertices(const CoarseningOptions& options) {
     if (is_interior(v)) interior.push_back(v);
   }
   for (const auto& row : in_facet) facet_vertices.push_row(row);
+}
+
+template <int D>
+void FineMesh<D>::group_interior() {
+  groups.resize((interior.size() + kGroup - 1) / kGroup);
+  parallel_for(groups.size(), [&](std::size_t g) {
+    Box<D> box;
+    for (std::size_t i = g * kGroup; i < std::min(interior.size(), (g + 1) * kGroup); ++i)
+      box.add(mesh.points[interior[i]]);
+    groups[g] = {box.center(), 0.5 * box.diagonal()};
+  });
 }
 
 template struct FineMesh<2>;

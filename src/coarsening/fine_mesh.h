@@ -6,6 +6,7 @@
 
 #include "mesh/edge_graph.h"
 #include "packing/incidence.h"
+#include "spheres/sphere_set.h"
 #include "voropack/coarsening.h"
 #include "voropack/mesh_domain.h"
 
@@ -29,6 +30,8 @@ struct FineMesh {
   std::vector<std::uint8_t> is_outside;
   std::vector<std::uint32_t> curve;  ///< All vertices, along a Hilbert curve.
   std::vector<VertexId> interior;    ///< In no polytope below D, in the order in which they are tried.
+  std::vector<Ball<D>> groups;       ///< Around so many of `interior` each, one after the other.
+  static constexpr std::size_t kGroup = 16;
 
   [[nodiscard]] bool is_interior(VertexId v) const {
     return place.carrier[v].dimension == D && (is_outside.empty() || is_outside[v.value()] == 0);
@@ -36,6 +39,7 @@ struct FineMesh {
 
  private:
   void sort_vertices(const CoarseningOptions& options);
+  void group_interior();
 };
 
 }  // namespace voropack

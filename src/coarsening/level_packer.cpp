@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 
@@ -277,20 +278,36 @@ class LevelPacker {
     std::vector<std::uint8_t> may_join(kFew);
     for (std::size_t begin = 0; begin < fine_.interior.size(); begin += kFew) {
       observer_.check_cancelled();
-      const std::size_t count = std::min(kFew, fine_.interior.size() - begin);
-      parallel_for((count + kRow - 1) / kRow,
+      const std::size_t end = std::min(begin + kFew, fine_.interior.size());
+      parallel_for((end - begin + kRow - 1) / kRow,
                    [&](std::size_t row) {
-                     std::uint32_t hint = 0;
-                     for (std::size_t i = row * kRow; i < std::min(count, (row + 1) * kRow); ++i) {
-                       const VertexId v = fine_.interior[begin + i];
-                       may_join[i] = spheres_.conflicts(point(v), f_[v], hint) || balls_.forbids(point(v)) ? 0 : 1;
-                     }
+                     const std::size_t first = begin + row * kRow;
+                     find_candidates(first, std::min(first + kRow, end), &may_join[row * kRow]);
                    },
                    1);
       std::uint32_t hint = 0;
-      for (std::size_t i = 0; i < count; ++i) {
-        const VertexId v = fine_.interior[begin + i];
-        if (may_join[i] != 0 && !spheres_.conflicts(point(v), f_[v], hint)) hint = add(v).value();
+      for (std::size_t i = begin; i < end; ++i) {
+        const VertexId v = fine_.interior[i];
+        if (may_join[i - begin] != 0 && !spheres_.conflicts(point(v), f_[v], hint)) hint = add(v).value();
+      }
+    }
+  }
+
+  /// Which vertices of [begin, end) may join. On coarse levels one sphere is mostly in the way of a whole group.
+  void find_candidates(std::size_t begin, std::size_t end, std::uint8_t* may_join) const {
+    constexpr std::size_t kGroup = FineMesh<D>::kGroup;
+    std::uint32_t hint = 0;
+    for (std::size_t first = begin; first < end; first += kGroup) {
+      const std::size_t last = std::min(first + kGroup, end);
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t i = first; i < last; ++i) least = std::min(least, f_[fine_.interior[i]]);
+      const Ball<D>& group = fine_.groups[first / kGroup];
+      // No sphere near is much larger than f here.
+      const bool is_excluded = group.radius < 2 * least && spheres_.conflicts_with_all(group, least, hint);
+      for (std::size_t i = first; i < last; ++i) {
+        const VertexId v = fine_.interior[i];
+        const bool is_free = !is_excluded && !spheres_.conflicts(point(v), f_[v], hint) && !balls_.forbids(point(v));
+        may_join[i - begin] = is_free ? 1 : 0;
       }
     }
   }

@@ -159,7 +159,7 @@ void add_boundary(const Domain<D>& domain, const Packing<D>& packing, const std:
 }  // namespace
 
 template <int D>
-Mesh<D> triangulate(const Domain<D>& domain, Packing<D> packing, Observer& observer) {
+PackingMesh<D> triangulate_packing(const Domain<D>& domain, Packing<D> packing, Observer& observer) {
   observer.begin_stage("delaunay");
   Triangulation<D> triangulation =
       packing.triangulation.simplices.empty() ? triangulate_regions(domain, packing) : std::move(packing.triangulation);
@@ -169,7 +169,14 @@ Mesh<D> triangulate(const Domain<D>& domain, Packing<D> packing, Observer& obser
   add_vertices(domain, packing, order, mesh);
   add_simplices(domain, std::move(triangulation), order, mesh);
   add_boundary(domain, packing, order, mesh);
-  return mesh;
+  IdVector<SphereId, VertexId> vertex_of_sphere(order.size());
+  for (const SphereId s : ids(vertex_of_sphere)) vertex_of_sphere[s] = VertexId(order[s.value()]);
+  return {std::move(mesh), std::move(vertex_of_sphere)};
+}
+
+template <int D>
+Mesh<D> triangulate(const Domain<D>& domain, Packing<D> packing, Observer& observer) {
+  return triangulate_packing(domain, std::move(packing), observer).mesh;
 }
 
 template <int D>
@@ -181,6 +188,8 @@ Triangulation<D> delaunay_triangulation(const std::vector<Vec<D>>& points) {
   return export_triangulation(kernel, region);
 }
 
+template PackingMesh<2> triangulate_packing(const Domain<2>&, Packing<2>, Observer&);
+template PackingMesh<3> triangulate_packing(const Domain<3>&, Packing<3>, Observer&);
 template Mesh<2> triangulate(const Domain<2>&, Packing<2>, Observer&);
 template Mesh<3> triangulate(const Domain<3>&, Packing<3>, Observer&);
 template Triangulation<2> delaunay_triangulation(const std::vector<Vec<2>>&);
