@@ -35,6 +35,7 @@ class LevelPacker {
         spheres_(domain_.box.center(), 0.5, f[fine.point_vertices.empty() ? VertexId(0) : fine.point_vertices[0]]),
         kept_spheres_(spheres_),
         balls_(domain_.box.center()) {
+    is_beside_.resize(f.size(), 0);
     for (const VertexId v : ids(f)) {
       if (is_kept[v.value()] == 0) continue;
       kept_.push_back(v);
@@ -62,6 +63,8 @@ class LevelPacker {
     packing.center.push_back(point(v));
     packing.radius.push_back(f_[v]);
     spheres_.add({point(v), f_[v]});
+    for (const VertexId w : fine_.edges.neighbors[v])
+      if (SphereSet<D>::overlap({point(v), f_[v]}, point(w), f_[w])) is_beside_[w.value()] = 1;
     result_.vertex.push_back(v);
     const SphereId s = packing.carrier.push_back(fine_.place.carrier[v]);
     if (fine_.place.carrier[v].dimension < D) sphere_of_[v] = s;
@@ -288,14 +291,16 @@ class LevelPacker {
       std::uint32_t hint = 0;
       for (std::size_t i = begin; i < end; ++i) {
         const VertexId v = fine_.interior[i];
-        if (may_join[i - begin] != 0 && !spheres_.conflicts(point(v), f_[v], hint)) hint = add(v).value();
+        if (may_join[i - begin] != 0 && may_add(v, hint)) hint = add(v).value();
       }
     }
   }
 
-  /// Which vertices of [begin, end) may join. On coarse levels one sphere is mostly in the way of a whole group.
+  /// Which vertices of [begin, end) may join. On coarse levels one sphere is mostly in the way of a whole group. One
+  /// thread alone does not look at a vertex twice.
   void find_candidates(std::size_t begin, std::size_t end, std::uint8_t* may_join) const {
     constexpr std::size_t kGroup = FineMesh<D>::kGroup;
+    const bool is_alone = tbb::this_task_arena::max_concurrency() == 1;
     std::uint32_t hint = 0;
     for (std::size_t first = begin; first < end; first += kGroup) {
       const std::size_t last = std::min(first + kGroup, end);
@@ -304,12 +309,13 @@ class LevelPacker {
       const Ball<D>& group = fine_.groups[first / kGroup];
       // No sphere near is much larger than f here.
       const bool is_excluded = group.radius < 2 * least && spheres_.conflicts_with_all(group, least, hint);
-      for (std::size_t i = first; i < last; ++i) {
-        const VertexId v = fine_.interior[i];
-        const bool is_free = !is_excluded && !spheres_.conflicts(point(v), f_[v], hint) && !balls_.forbids(point(v));
-        may_join[i - begin] = is_free ? 1 : 0;
-      }
+      for (std::size_t i = first; i < last; ++i)
+        may_join[i - begin] = !is_excluded && (is_alone || may_add(fine_.interior[i], hint)) ? 1 : 0;
     }
+  }
+
+  [[nodiscard]] bool may_add(VertexId v, std::uint32_t& hint) const {
+    return is_beside_[v.value()] == 0 && !spheres_.conflicts(point(v), f_[v], hint) && !balls_.forbids(point(v));
   }
 
   const FineMesh<D>& fine_;
@@ -320,8 +326,9 @@ class LevelPacker {
   SphereSet<D> spheres_;
   std::vector<VertexId> kept_;
   SphereSet<D> kept_spheres_;
-  BallSet<D> balls_;                                             ///< Of the subsegments, then of the subfacets.
-  std::map<VertexId, SphereId> sphere_of_;                       ///< On the boundary.
+  std::vector<std::uint8_t> is_beside_;     ///< By vertex of the finest mesh: overlaps a sphere across an edge of it.
+  BallSet<D> balls_;                        ///< Of the subsegments, then of the subfacets.
+  std::map<VertexId, SphereId> sphere_of_;  ///< On the boundary.
   std::map<std::size_t, std::vector<SphereId>> tied_with_ball_;  ///< The corners of its tied polygon.
   PackedLevel<D> result_;
 };
