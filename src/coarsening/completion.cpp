@@ -70,19 +70,20 @@ class Completer {
     adjacent_ = adjacent_values<SphereId>(
         packing_.center.size(), kernel_.n_slots(),
         [&](std::size_t slot) { return kernel_.corners(static_cast<std::uint32_t>(slot)); },
-        [&](std::size_t slot) { return kernel_.is_finite(static_cast<std::uint32_t>(slot)); });
+        [&](std::size_t slot) { return kernel_.is_finite(static_cast<std::uint32_t>(slot)); }, along_curve_);
   }
 
   void build_tree() {
-    std::vector<std::uint32_t> sphere_of(fine_.mesh.points.size(), kNoHint), order;
+    std::vector<std::uint32_t> sphere_of(fine_.mesh.points.size(), kNoHint);
     std::vector<Box<D>> boxes;
     for (const SphereId s : ids(packing_.center)) {
       sphere_of[level_.vertex[s.value()].value()] = s.value();
       boxes.emplace_back(packing_.center[s], packing_.center[s]);
     }
+    along_curve_.clear();
     for (const std::uint32_t v : fine_.curve)
-      if (sphere_of[v] != kNoHint) order.push_back(sphere_of[v]);
-    tree_ = BoxTree<D>::along_curve(std::move(order), boxes);
+      if (sphere_of[v] != kNoHint) along_curve_.push_back(sphere_of[v]);
+    tree_ = BoxTree<D>::along_curve(along_curve_, boxes);
   }
 
   void make_radii_lipschitz() {
@@ -130,12 +131,12 @@ class Completer {
   [[nodiscard]] std::vector<double> radii_at_most() const {
     std::vector<double> most(packing_.center.size());
     parallel_for(most.size(), [&](std::size_t i) {
-      const SphereId s(i);
+      const SphereId s(along_curve_[i]);
       double room = std::numeric_limits<double>::infinity();
       for (const SphereId t : adjacent_[s])
         if (!are_sharp(s, t))
           room = std::min(room, distance(packing_.center[s], packing_.center[t]) - packing_.radius[t]);
-      most[i] = std::isfinite(room) ? std::max(room, packing_.radius[s]) : packing_.radius[s];
+      most[s.value()] = std::isfinite(room) ? std::max(room, packing_.radius[s]) : packing_.radius[s];
     });
     return most;
   }
@@ -153,8 +154,9 @@ class Completer {
     tbb::enumerable_thread_specific<Search> searches([&] {
       return Search{std::vector<std::uint32_t>(n, kNoHint), {}};
     });
-    const Csr<SphereId, SphereId> smaller =
-        build_rows<SphereId, SphereId>(n, [&](SphereId s, std::vector<SphereId>& row) {
+    const Csr<SphereId, SphereId> smaller = build_rows<SphereId, SphereId>(
+        n,
+        [&](SphereId s, std::vector<SphereId>& row) {
           auto& [mark, queue] = searches.local();
           const double mine = most[s.value()], reach = 2 * mine * (1 + kSlack);
           const auto distance_to = [&](SphereId t) { return distance(packing_.center[s], packing_.center[t]); };
@@ -171,7 +173,8 @@ class Completer {
               if (gap < reach) queue.push_back(t);
               if (gap < mine + most[t.value()] && most[t.value()] <= mine) row.push_back(t);
             }
-        });
+        },
+        along_curve_);
     // They are in each other's way.
     std::vector<std::array<SphereId, 2>> pairs;
     for (const SphereId s : ids(packing_.radius))
@@ -346,8 +349,9 @@ class Completer {
   const Observer& observer_;
   BallSet<D> balls_;
   DelaunayKernel<D> kernel_;
-  Csr<SphereId, SphereId> adjacent_;  ///< Along the edges of the triangulation.
-  BoxTree<D> tree_;                   ///< Of the centers.
+  std::vector<std::uint32_t> along_curve_;  ///< The spheres, each near to the one before.
+  Csr<SphereId, SphereId> adjacent_;        ///< Along the edges of the triangulation.
+  BoxTree<D> tree_;                         ///< Of the centers.
   RegionLabels<D> labels_;
   double slope_ = 0;                   ///< Largest measured one of the radii.
   std::vector<std::uint8_t> is_used_;  ///< By vertex of the finest mesh.

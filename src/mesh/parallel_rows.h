@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -19,42 +20,48 @@
 
 namespace voropack {
 
-/// Row i is what fill(i, row) appends to `row`. In parallel, in blocks of consecutive rows.
+/// Row i is what fill(i, row) appends to `row`. In parallel, in blocks of rows that are consecutive in `order`, or of
+/// consecutive rows if it is empty: rows that look at the same things should be made one after the other.
 template <class I, class T, class Fill>
-Csr<I, T> build_rows(std::size_t n_rows, Fill&& fill) {
+Csr<I, T> build_rows(std::size_t n_rows, Fill&& fill, std::span<const std::uint32_t> order = {}) {
   constexpr std::size_t kBlock = 4096;
   const std::size_t n_blocks = (n_rows + kBlock - 1) / kBlock;
+  const auto for_blocks = [&](auto&& fn) {
+    parallel_for(
+        n_blocks,
+        [&](std::size_t block) {
+          const std::size_t begin = block * kBlock, end = std::min(n_rows, begin + kBlock);
+          for (std::size_t i = begin; i < end; ++i) fn(block, order.empty() ? i : order[i]);
+        },
+        1);
+  };
   std::vector<std::vector<T>> parts(n_blocks);
   Csr<I, T> rows;
   rows.offsets.assign(n_rows + 1, 0);  // Of row i, its length at i + 1.
-  parallel_for(
-      n_blocks,
-      [&](std::size_t block) {
-        std::vector<T>& part = parts[block];
-        for (std::size_t i = block * kBlock; i < std::min(n_rows, (block + 1) * kBlock); ++i) {
-          const std::size_t before = part.size();
-          fill(I(i), part);
-          rows.offsets[i + 1] = part.size() - before;
-        }
-      },
-      1);
+  for_blocks([&](std::size_t block, std::size_t i) {
+    const std::size_t before = parts[block].size();
+    fill(I(i), parts[block]);
+    rows.offsets[i + 1] = parts[block].size() - before;
+  });
   for (std::size_t i = 0; i < n_rows; ++i) rows.offsets[i + 1] += rows.offsets[i];
   rows.values.resize(rows.offsets[n_rows]);
-  parallel_for(
-      n_blocks,
-      [&](std::size_t block) {
-        std::copy(parts[block].begin(), parts[block].end(),
-                  rows.values.begin() + static_cast<std::ptrdiff_t>(rows.offsets[block * kBlock]));
-        std::vector<T>().swap(parts[block]);
-      },
-      1);
+  std::vector<std::size_t> next(n_blocks, 0);
+  for_blocks([&](std::size_t block, std::size_t i) {
+    const std::span<T> row = rows[I(i)];
+    const auto from = parts[block].begin() + static_cast<std::ptrdiff_t>(next[block]);
+    std::copy(from, from + std::ssize(row), row.begin());
+    next[block] += row.size();
+    if (next[block] == parts[block].size()) std::vector<T>().swap(parts[block]);
+  });
   return rows;
 }
 
 /// Row v lists, in ascending order, the values that share a tuple with v. tuple(t) is an array of values below
 /// `n_values`, for t < n_tuples; visited are those with exists(t). In parallel; O(n) for rows of bounded length.
+/// `order` as above.
 template <class V, class Tuple, class Exists>
-Csr<V, V> adjacent_values(std::size_t n_values, std::size_t n_tuples, Tuple&& tuple, Exists&& exists) {
+Csr<V, V> adjacent_values(std::size_t n_values, std::size_t n_tuples, Tuple&& tuple, Exists&& exists,
+                          std::span<const std::uint32_t> order = {}) {
   // Each value has a chain of tuples, in any order: what is made of them is sorted. Where it is in a tuple, the chain
   // goes on.
   using Values = std::decay_t<decltype(tuple(std::size_t{0}))>;
@@ -77,23 +84,26 @@ Csr<V, V> adjacent_values(std::size_t n_values, std::size_t n_tuples, Tuple&& tu
   // The last value in whose row each one was put.
   tbb::enumerable_thread_specific<std::vector<std::uint32_t>> marks(
       [&] { return std::vector<std::uint32_t>(n_values, 0xffffffffU); });
-  return build_rows<V, V>(n_values, [&](V v, std::vector<V>& row) {
-    std::vector<std::uint32_t>& mark = marks.local();
-    const auto begin = static_cast<std::ptrdiff_t>(row.size());
-    for (std::uint32_t t = first[v.value()]; t != kEnd;) {
-      const Values& values = tuple(t);
-      std::uint32_t after = kEnd;
-      for (std::size_t i = 0; i < kSize; ++i) {
-        const V w(values[i]);
-        if (w == v)
-          after = next[t][i];
-        else if (std::exchange(mark[w.value()], v.value()) != v.value())
-          row.push_back(w);
-      }
-      t = after;
-    }
-    std::sort(row.begin() + begin, row.end());
-  });
+  return build_rows<V, V>(
+      n_values,
+      [&](V v, std::vector<V>& row) {
+        std::vector<std::uint32_t>& mark = marks.local();
+        const auto begin = static_cast<std::ptrdiff_t>(row.size());
+        for (std::uint32_t t = first[v.value()]; t != kEnd;) {
+          const Values& values = tuple(t);
+          std::uint32_t after = kEnd;
+          for (std::size_t i = 0; i < kSize; ++i) {
+            const V w(values[i]);
+            if (w == v)
+              after = next[t][i];
+            else if (std::exchange(mark[w.value()], v.value()) != v.value())
+              row.push_back(w);
+          }
+          t = after;
+        }
+        std::sort(row.begin() + begin, row.end());
+      },
+      order);
 }
 
 }  // namespace voropack
