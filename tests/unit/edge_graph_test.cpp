@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "geom/box_tree.h"
+#include "geom/hilbert.h"
 #include "support/allow_threads.h"
 #include "support/domains.h"
 #include "voropack/pipeline.h"
@@ -81,16 +82,10 @@ TEST(EdgeGraph, ValuesFallToTheLargestLipschitzFunctionInThePlane) {
 }
 TEST(EdgeGraph, ValuesFallToTheLargestLipschitzFunctionInSpace) { values_fall_to_the_largest_lipschitz_function<3>(); }
 
-TEST(BoxTree, ValuesMayChange) {
+void expect_answers(BoxTree<3> tree, const std::vector<Box<3>>& boxes) {
   Random random(3);
-  std::vector<Box<3>> boxes;
   std::vector<double> values;
-  for (int i = 0; i < 500; ++i) {
-    const Vec<3> x = {random.unit(), random.unit(), random.unit()};
-    boxes.emplace_back(x, x);
-    values.push_back(random.unit());
-  }
-  BoxTree<3> tree(boxes, std::vector<double>(boxes.size(), 5.0));
+  for (std::size_t i = 0; i < boxes.size(); ++i) values.push_back(random.unit());
   tree.set_values(values);
   for (int k = 0; k < 100; ++k) {
     const Vec<3> x = {random.unit(), random.unit(), random.unit()};
@@ -107,6 +102,18 @@ TEST(BoxTree, ValuesMayChange) {
                         });
     EXPECT_EQ(found, wanted);
   }
+}
+
+TEST(BoxTree, ValuesMayChange) {
+  Random random(4);
+  std::vector<Vec<3>> points;
+  std::vector<Box<3>> boxes;
+  for (int i = 0; i < 500; ++i) {
+    points.push_back({random.unit(), random.unit(), random.unit()});
+    boxes.emplace_back(points.back(), points.back());
+  }
+  expect_answers(BoxTree<3>(boxes, std::vector<double>(boxes.size(), 5.0)), boxes);
+  expect_answers(BoxTree<3>::along_curve(hilbert_order<3>(points), boxes), boxes);
 }
 
 }  // namespace
