@@ -84,7 +84,7 @@ bool is_accepted(const Mesh<D>& mesh) {
 /// One vertex after the other is moved a little, by up to 10^-16 of the size of the mesh: down to where only exact
 /// arithmetic can tell.
 template <int D>
-void accepts_what_is_delaunay(const std::vector<Vec<D>>& points) {
+void accepts_what_is_delaunay(const std::vector<Vec<D>>& points, int least_accepted, int least_refused) {
   Random random(1);
   int n_accepted = 0, n_refused = 0;
   for (const double scale : {1.0, 1e-30, 1e40}) {
@@ -102,8 +102,8 @@ void accepts_what_is_delaunay(const std::vector<Vec<D>>& points) {
       ++(expected ? n_accepted : n_refused);
     }
   }
-  EXPECT_GT(n_accepted, 50);
-  EXPECT_GT(n_refused, 50);
+  EXPECT_GE(n_accepted, least_accepted);
+  EXPECT_GE(n_refused, least_refused);
 }
 
 template <int D>
@@ -128,12 +128,12 @@ std::vector<Vec<D>> grid_points(int n) {
 }
 
 TEST(RequireDelaunay, AcceptsWhatIsDelaunayInThePlane) {
-  accepts_what_is_delaunay<2>(random_points<2>(60));
-  accepts_what_is_delaunay<2>(grid_points<2>(6));
+  accepts_what_is_delaunay<2>(random_points<2>(60), 300, 30);
+  accepts_what_is_delaunay<2>(grid_points<2>(6), 5, 300);  // What moves leaves a circle.
 }
 TEST(RequireDelaunay, AcceptsWhatIsDelaunayInSpace) {
-  accepts_what_is_delaunay<3>(random_points<3>(60));
-  accepts_what_is_delaunay<3>(grid_points<3>(4));
+  accepts_what_is_delaunay<3>(random_points<3>(60), 300, 30);
+  accepts_what_is_delaunay<3>(grid_points<3>(4), 5, 300);
 }
 
 }  // namespace
