@@ -164,7 +164,16 @@ class DomainMaker {
     double size = 0;           ///< Of the largest one.
   };
 
+  /// The face of a simplex opposite to a corner.
+  struct Crossing {
+    SimplexId simplex;
+    int corner;
+  };
+
   /// In the order of their first simplices.
+  ///
+  /// All simplices around a vertex off the walls are in one part, and only those between walls stand for themselves. So
+  /// only across faces with all corners on walls it has to be seen whether there is one.
   [[nodiscard]] std::vector<Part> find_parts() const {
     std::set<std::array<VertexId, D>> walls;
     std::vector<std::uint8_t> on_wall(mesh_.points.size(), 0);
@@ -173,31 +182,18 @@ class DomainMaker {
       std::sort(face.begin(), face.end());
       walls.insert(face);
     }
-    // All simplices around a vertex off the walls are in one part, and stand for themselves only where all corners are
-    // on walls. So only across faces with all corners on walls it has to be seen whether there is one.
-    const std::size_t n_vertices = mesh_.points.size();
     const auto is_off = [&](VertexId v) { return on_wall[v.value()] == 0; };
+    const std::vector<Crossing> crossings = faces_on_walls(is_off);
     std::map<SimplexId, std::uint32_t> between_walls;
+    for (const Crossing& crossing : crossings)
+      if (std::ranges::none_of(mesh_.simplex_vertices[crossing.simplex], is_off))
+        between_walls.emplace(crossing.simplex, static_cast<std::uint32_t>(on_wall.size() + between_walls.size()));
     const auto member = [&](SimplexId s) {
       const auto& corners = mesh_.simplex_vertices[s];
       const auto off = std::ranges::find_if(corners, is_off);
       return off != corners.end() ? off->value() : between_walls.at(s);
     };
-    struct Crossing {
-      SimplexId simplex;
-      int corner;
-    };
-    const auto crossings = collect_from_simplices<Crossing>(mesh_, [&](SimplexId s, std::vector<Crossing>& out) {
-      const auto& corners = mesh_.simplex_vertices[s];
-      const auto n_off = std::ranges::count_if(corners, is_off);
-      if (n_off > 1) return;
-      for (int i = 0; i <= D; ++i)
-        if (n_off == 0 || is_off(corners[static_cast<std::size_t>(i)])) out.push_back({s, i});
-    });
-    for (const Crossing& crossing : crossings)
-      if (std::ranges::none_of(mesh_.simplex_vertices[crossing.simplex], is_off))
-        between_walls.emplace(crossing.simplex, static_cast<std::uint32_t>(n_vertices + between_walls.size()));
-    DisjointSets sets(n_vertices + between_walls.size());
+    DisjointSets sets(on_wall.size() + between_walls.size());
     parallel_for(mesh_.simplex_vertices.size(), [&](std::size_t s) {
       const auto& corners = mesh_.simplex_vertices[SimplexId(s)];
       const auto first = std::ranges::find_if(corners, is_off);
@@ -211,6 +207,18 @@ class DomainMaker {
       if (!t.is_none() && !walls.contains(face)) sets.join(member(s), member(t));
     }
     return list_parts([&](SimplexId s) { return sets.find(member(s)); });
+  }
+
+  /// Those with no corner off the walls.
+  template <class IsOff>
+  [[nodiscard]] std::vector<Crossing> faces_on_walls(IsOff&& is_off) const {
+    return collect_from_simplices<Crossing>(mesh_, [&](SimplexId s, std::vector<Crossing>& out) {
+      const auto& corners = mesh_.simplex_vertices[s];
+      const auto n_off = std::ranges::count_if(corners, is_off);
+      if (n_off > 1) return;
+      for (int i = 0; i <= D; ++i)
+        if (n_off == 0 || is_off(corners[static_cast<std::size_t>(i)])) out.push_back({s, i});
+    });
   }
 
   /// part_of(simplex) is some number that all simplices of a part have.
