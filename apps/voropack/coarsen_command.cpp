@@ -217,7 +217,7 @@ std::vector<LevelBoundary<D>> read_boundaries(const std::vector<std::string>& te
 template <int D>
 struct Levels {
   CoarseningHierarchy<D> hierarchy;         ///< Within the boundary.
-  std::vector<SimplifiedLevel> simplified;  ///< Beyond it.
+  std::vector<SimplifiedLevel<D>> simplified;  ///< Beyond it.
   std::vector<const CoarseLevel<D>*> all;
   std::vector<LevelFigures> figures;
 };
@@ -243,8 +243,7 @@ void make_levels(const Mesh<D>& mesh, const CoarsenArguments& arguments, Report&
     });
   }
   for (const CoarseLevel<D>& level : out.hierarchy.levels) out.all.push_back(&level);
-  if constexpr (D == 2)
-    for (const SimplifiedLevel& level : out.simplified) out.all.push_back(&level);
+  for (const CoarseLevel<D>& level : out.simplified) out.all.push_back(&level);
   const Mesh<D>* finer = &mesh;
   for (std::size_t i = 0; i < out.all.size(); ++i) {
     const CoarseLevel<D>& level = *out.all[i];
@@ -366,6 +365,10 @@ void add_beyond_options(CLI::App& app, CoarsenArguments& arguments) {
                  "Beyond the boundary: how much of its area a region may win or lose")
       ->check(CLI::Range(1e-9, 0.999))
       ->capture_default_str()
+      ->needs(beyond);
+  app.add_flag("--merge-markers", options.merge_markers,
+               "Beyond the boundary, in space: join faces of different markers, as those of meshes of surface files,\n"
+               "where each triangle has a marker of its own")
       ->needs(beyond);
 }
 

@@ -73,7 +73,7 @@ std::string csv(const std::vector<Figure8Row>& rows) {
   return text;
 }
 
-Json level_json(const Figure8Row& row, const SimplifiedLevel& level) {
+Json level_json(const Figure8Row& row, const SimplifiedLevel<2>& level) {
   return {{"source", row.source},
           {"level", row.level},
           {"vertices", row.nodes},
@@ -87,9 +87,9 @@ Json level_json(const Figure8Row& row, const SimplifiedLevel& level) {
 }
 
 /// What the rows do not show.
-std::string remarks(const std::string& source, const std::vector<SimplifiedLevel>& levels) {
+std::string remarks(const std::string& source, const std::vector<SimplifiedLevel<2>>& levels) {
   double area = 0, distance = 0, overlap = 0;
-  for (const SimplifiedLevel& level : levels) {
+  for (const SimplifiedLevel<2>& level : levels) {
     area = std::max(area, level.area_change);
     distance = std::max(distance, level.boundary_distance);
     overlap = std::max(overlap, level.largest_overlap);
@@ -106,7 +106,7 @@ std::vector<std::size_t> wished_numbers(std::size_t n_vertices) {
   return numbers;
 }
 
-void draw_levels(const std::vector<SimplifiedLevel>& levels, const fs::path& output, OutputSet& outputs) {
+void draw_levels(const std::vector<SimplifiedLevel<2>>& levels, const fs::path& output, OutputSet& outputs) {
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const fs::path name = fmt::format("{}-{}.svg", output.stem().string(), i + 1);
     const ControlVolumes<2> volumes = build_control_volumes(levels[i].mesh);
@@ -133,13 +133,13 @@ ExitCode run_figure8(const Figure8Arguments& arguments, Session& session) {
   rows.push_back(measure(*mesh, "computed", 0));
   std::string text;
   report.levels = Json::array();
-  std::vector<SimplifiedLevel> improved;
+  std::vector<SimplifiedLevel<2>> improved;
   for (const bool is_packed : {true, false}) {
     BeyondBoundaryOptions options = is_packed ? arguments.packed : arguments.improved;
     options.target_vertices = wished_numbers(mesh->points.size());
     options.seed = session.common.seed;
     const std::string source = is_packed ? "packed" : "improved";
-    std::vector<SimplifiedLevel> levels =
+    std::vector<SimplifiedLevel<2>> levels =
         timed(report.times, "coarsen", [&] { return coarsen_beyond_boundary(*mesh, options, session.observer); });
     for (std::size_t i = 0; i < levels.size(); ++i) {
       rows.push_back(measure(levels[i].mesh, source, i + 1));

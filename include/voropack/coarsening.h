@@ -143,13 +143,17 @@ struct BeyondBoundaryOptions {
   /// Boundary vertices where the boundary turns by more than this stay on all levels. In (0, 180]: none stays for its
   /// angle.
   double feature_angle_deg = 180;
+  /// In space: faces of different markers may be joined where the regions beside them are the same; the new ones get
+  /// the marker of the largest one. For meshes of surface files, in which each triangle has a marker of its own.
+  bool merge_markers = false;
   std::uint64_t seed = 1;
 };
 
 /// A level with a simplified boundary. Vertices of the finer level that lie outside of it are interpolated from the
 /// nearest triangle. The spacing of the mesh is f of the packing; after
 /// LocalImprovement::kFree, which keeps none, half the distance to the nearest vertex.
-struct SimplifiedLevel : CoarseLevel<2> {
+template <int D>
+struct SimplifiedLevel : CoarseLevel<D> {
   double lipschitz = 0;        ///< Of f.
   double area_change = 0;      ///< The largest one of a region, as a part of its area.
   double largest_overlap = 0;  ///< Of two f-spheres: 1 - distance / sum of the radii. 0 if it is a packing.
@@ -171,7 +175,7 @@ struct SimplifiedLevel : CoarseLevel<2> {
 ///         InputError  coarsen.not_delaunay, coarsen.not_conforming, coarsen.not_an_edge.
 ///         Cancelled   if the observer asks to stop.
 template <int D>
-std::vector<SimplifiedLevel> coarsen_beyond_boundary(const Mesh<D>& mesh, const BeyondBoundaryOptions& options = {},
+std::vector<SimplifiedLevel<D>> coarsen_beyond_boundary(const Mesh<D>& mesh, const BeyondBoundaryOptions& options = {},
                                                      Observer& observer = silent_observer());
 
 }  // namespace voropack

@@ -6,10 +6,11 @@
 
 #include "base/random.h"
 #include "coarsening/improve_level.h"
+#include "coarsening/level_epsilon.h"
 #include "coarsening/planar_packer.h"
 #include "coarsening/prolongation.h"
 #include "coarsening/require_delaunay.h"
-#include "geom/circumcenter.h"
+#include "coarsening/space_hierarchy.h"
 #include "voropack/coarsening.h"
 #include "voropack/error.h"
 
@@ -26,7 +27,6 @@ constexpr double kRestartSpread = 0.1;   // Restarts vary the growth by this, as
 constexpr double kRoomToMove = 0.8;
 /// An improvement may take away vertices down to this part of the wished number.
 constexpr double kFewestVertices = 0.85;
-constexpr double kEpsilonSlack = 1e-9;  // Whoever measures again rounds otherwise.
 
 [[noreturn]] void throw_bad_option(const std::string& message, const std::string& fix) {
   throw OptionError(Fault{.id = "coarsen.bad_option", .message = message, .fix = fix});
@@ -57,10 +57,10 @@ class Hierarchy {
         fine_(find_chains(mesh, options.feature_angle_deg)),
         packer_(mesh, fine_, options.initial, observer) {}
 
-  std::vector<SimplifiedLevel> build() {
+  std::vector<SimplifiedLevel<2>> build() {
     const std::size_t n_levels =
         options_.target_vertices.empty() ? static_cast<std::size_t>(options_.levels) : options_.target_vertices.size();
-    std::vector<SimplifiedLevel> levels(n_levels);
+    std::vector<SimplifiedLevel<2>> levels(n_levels);
     for (std::size_t i = n_levels; i-- > 0;) {
       observer_.progress(n_levels - 1 - i, n_levels);
       std::size_t n_exchanges = 0;
@@ -159,8 +159,8 @@ class Hierarchy {
       for (double& value : *values) value *= factor;
   }
 
-  [[nodiscard]] SimplifiedLevel finish(const PlanarPacking& packed) const {
-    SimplifiedLevel out;
+  [[nodiscard]] SimplifiedLevel<2> finish(const PlanarPacking& packed) const {
+    SimplifiedLevel<2> out;
     out.growth = packed.growth;
     out.lipschitz = packed.lipschitz;
     out.area_change = packed.level.area_change();
@@ -191,27 +191,6 @@ class Hierarchy {
                     });
       mesh.vertex_spacing[v] = 0.5 * nearest;
     }
-  }
-
-  /// The least E with R (1 - b) <= (2 + E (1 + b)) f at every circumcenter, where f is as large as its slope allows; 0
-  /// if a sphere fits nowhere.
-  static double measured_epsilon(const Mesh<2>& mesh) {
-    double slope = 0;
-    for (const auto& c : mesh.simplex_vertices)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const VertexId u = c[i], v = c[(i + 1) % 3];
-        slope = std::max(slope, std::abs(mesh.vertex_spacing[u] - mesh.vertex_spacing[v]) /
-                                    distance(mesh.points[u], mesh.points[v]));
-      }
-    double epsilon = 0;
-    for (const auto& c : mesh.simplex_vertices) {
-      const std::array<Vec<2>, 3> x = {mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]};
-      const double radius = distance(fast_circumcenter(x), x[0]);
-      double f = std::numeric_limits<double>::infinity();
-      for (const VertexId v : c) f = std::min(f, mesh.vertex_spacing[v] + slope * radius);
-      epsilon = std::max(epsilon, (radius * (1 - slope) / f - 2) / (1 + slope));
-    }
-    return epsilon > 0 ? epsilon * (1 + kEpsilonSlack) : 0;
   }
 
   [[nodiscard]] Mesh<2> make_mesh(const PlanarPacking& packed, const IdVector<VertexId, VertexId>& finest,
@@ -261,8 +240,8 @@ class Hierarchy {
 }  // namespace
 
 template <>
-std::vector<SimplifiedLevel> coarsen_beyond_boundary<2>(const Mesh<2>& mesh, const BeyondBoundaryOptions& options,
-                                                        Observer& observer) {
+std::vector<SimplifiedLevel<2>> coarsen_beyond_boundary<2>(const Mesh<2>& mesh, const BeyondBoundaryOptions& options,
+                                                           Observer& observer) {
   check_options(options);
   require_delaunay(mesh);
   observer.begin_stage("coarsen");
@@ -270,10 +249,12 @@ std::vector<SimplifiedLevel> coarsen_beyond_boundary<2>(const Mesh<2>& mesh, con
 }
 
 template <>
-std::vector<SimplifiedLevel> coarsen_beyond_boundary<3>(const Mesh<3>&, const BeyondBoundaryOptions&, Observer&) {
-  throw OptionError(Fault{.id = "coarsen.plane_only",
-                          .message = "coarsening beyond the boundary is for meshes in the plane",
-                          .fix = "coarsen this mesh within its boundary"});
+std::vector<SimplifiedLevel<3>> coarsen_beyond_boundary<3>(const Mesh<3>& mesh, const BeyondBoundaryOptions& options,
+                                                           Observer& observer) {
+  check_options(options);
+  require_delaunay(mesh);
+  observer.begin_stage("coarsen");
+  return make_space_hierarchy(mesh, options, observer);
 }
 
 }  // namespace voropack

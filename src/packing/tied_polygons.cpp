@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "base/disjoint_sets.h"
@@ -88,6 +89,12 @@ std::vector<TiedPolygon> settle_tied_polygons(std::span<const Vec<2>> in_plane, 
     result.push_back(std::move(polygon));
   }
   return result;
+}
+
+std::vector<std::array<std::uint32_t, 3>> settle_polygon(std::span<const Vec<3>> corners) {
+  std::vector<std::uint32_t> all(corners.size());
+  std::iota(all.begin(), all.end(), 0U);
+  return triangles_in_space(corners, all, {0, 1, 2});
 }
 
 }  // namespace voropack

@@ -28,4 +28,8 @@ std::vector<TiedPolygon> settle_tied_polygons(std::span<const Vec<2>> in_plane, 
                                               std::span<const std::array<std::uint32_t, 3>> neighbors,
                                               std::span<std::array<std::uint32_t, 3>> triangles);
 
+/// The triangles that these corners of a polygon, exactly coplanar and cocircular up to rounding, have in space, each
+/// with ascending corners; the first three are not collinear.
+std::vector<std::array<std::uint32_t, 3>> settle_polygon(std::span<const Vec<3>> corners);
+
 }  // namespace voropack

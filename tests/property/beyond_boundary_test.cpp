@@ -108,11 +108,11 @@ double vertex_distance(const Mesh<2>& from, const Mesh<2>& to) {
 }
 
 /// The laws of every level, whatever was improved.
-void expect_laws(const Mesh<2>& fine, const std::vector<SimplifiedLevel>& levels,
+void expect_laws(const Mesh<2>& fine, const std::vector<SimplifiedLevel<2>>& levels,
                  const BeyondBoundaryOptions& options) {
   const std::map<int, double> fine_areas = areas_of(fine);
   const Mesh<2>* finer = &fine;
-  for (const SimplifiedLevel& level : levels) {
+  for (const SimplifiedLevel<2>& level : levels) {
     SCOPED_TRACE(level.mesh.points.size());
     EXPECT_EQ(find_mesh_fault(level.mesh), "");
     ASSERT_EQ(level.finest_vertex.size(), level.mesh.points.size());

@@ -1,0 +1,41 @@
+#include "coarsening/level_epsilon.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "geom/circumcenter.h"
+
+namespace voropack {
+
+namespace {
+
+constexpr double kEpsilonSlack = 1e-9;  // Whoever measures again rounds otherwise.
+
+}  // namespace
+
+template <int D>
+double measured_epsilon(const Mesh<D>& mesh) {
+  double slope = 0;
+  for (const auto& c : mesh.simplex_vertices)
+    for (std::size_t i = 0; i < D; ++i)
+      for (std::size_t j = i + 1; j <= D; ++j)
+        slope = std::max(slope, std::abs(mesh.vertex_spacing[c[i]] - mesh.vertex_spacing[c[j]]) /
+                                    distance(mesh.points[c[i]], mesh.points[c[j]]));
+  double epsilon = 0;
+  for (const auto& c : mesh.simplex_vertices) {
+    std::array<Vec<D>, D + 1> x;
+    for (std::size_t i = 0; i <= D; ++i) x[i] = mesh.points[c[i]];
+    const double radius = distance(fast_circumcenter(x), x[0]);
+    double f = std::numeric_limits<double>::infinity();
+    for (const VertexId v : c) f = std::min(f, mesh.vertex_spacing[v] + slope * radius);
+    epsilon = std::max(epsilon, (radius * (1 - slope) / f - 2) / (1 + slope));
+  }
+  return epsilon > 0 ? epsilon * (1 + kEpsilonSlack) : 0;
+}
+
+template double measured_epsilon(const Mesh<2>&);
+template double measured_epsilon(const Mesh<3>&);
+
+}  // namespace voropack

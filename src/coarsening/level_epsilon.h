@@ -1,0 +1,13 @@
+// How far a level is from a maximal packing.
+#pragma once
+
+#include "voropack/mesh.h"
+
+namespace voropack {
+
+/// The least E with R (1 - b) <= (2 + E (1 + b)) f at every circumcenter, where f is as large as its slope allows; 0 if
+/// a sphere fits nowhere.
+template <int D>
+double measured_epsilon(const Mesh<D>& mesh);
+
+}  // namespace voropack
