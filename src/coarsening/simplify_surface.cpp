@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "coarsening/edge_balls.h"
 #include "geom/circumcenter.h"
 #include "geom/polytope_distance.h"
 #include "geom/predicates.h"
@@ -100,8 +101,9 @@ SurfacePlace SurfaceSimplifier::place_of(std::uint32_t v) const {
   return SurfacePlace::kAnchor;
 }
 
-void SurfaceSimplifier::simplify(std::span<const double> f, double allowance) {
+void SurfaceSimplifier::simplify(std::span<const double> f, double allowance, std::span<const Ball<3>> zones) {
   f_ = f;
+  zones_ = zones;
   room_.clear();
   for (std::size_t r = 0; r < fine_->region_id.size(); ++r)
     room_.push_back(allowance * max_volume_change_ * fine_->region_volume[r] / fine_->region_boundary_area[r]);
@@ -210,7 +212,9 @@ bool SurfaceSimplifier::remove(std::uint32_t v) {
   std::vector<double> change = region_change_;
   for (const Sheet& sheet : *sheets) {
     std::optional<Patching> patching = patch(v, sheet, is_on_curve);
-    if (!patching || !carry(v, patchings.empty(), sheet, *patching) || !allows_drift(sheet, *patching)) return false;
+    if (!patching || !are_edges_fit(v, *patching) || !carry(v, patchings.empty(), sheet, *patching) ||
+        !allows_drift(sheet, *patching))
+      return false;
     const auto& regions = triangles_[sheet.triangles[0]].surface.regions;
     for (std::size_t side = 0; side < 2; ++side)
       if (regions[side] != kNoRegion)
@@ -260,6 +264,8 @@ class SurfaceSimplifier::EdgeRule {
       return std::abs(dot(normal, to)) <= limit * norm(to);
     });
     for (auto& row : known_) row.fill(kUnknown);
+    is_strict_ = std::ranges::any_of(
+        surface.zones_, [&](const Ball<3>& zone) { return distance(zone.center, surface.point(v)) <= zone.radius; });
   }
 
   /// The edge between two corners of the rim, i < j, in a triangle with a third one.
@@ -268,6 +274,7 @@ class SurfaceSimplifier::EdgeRule {
     if (is_closing && is_open_) return true;  // The new edge of the curve.
     const std::uint32_t a = sheet_.rim[i], b = sheet_.rim[j];
     const bool is_on_rim = j == i + 1 || is_closing;
+    if (!is_strict_) return is_on_rim || !surface_.are_adjacent(a, b);
     if (is_on_rim && (surface_.is_on_curve(a, b) || is_coplanar_beyond(a, b, sheet_.rim[apex]))) return true;
     State& state = known_[i][j];
     if (state == kUnknown)
@@ -297,7 +304,7 @@ class SurfaceSimplifier::EdgeRule {
   const SurfaceSimplifier& surface_;
   std::uint32_t v_;
   const Sheet& sheet_;
-  bool is_open_, is_planar_ = false;
+  bool is_open_, is_planar_ = false, is_strict_ = false;
   std::array<std::array<State, kMaxRim>, kMaxRim> known_;
 };
 
@@ -366,6 +373,49 @@ auto SurfaceSimplifier::patch(std::uint32_t v, const Sheet& sheet, bool is_open)
     result.triangles.push_back(std::move(t));
   }
   return result;
+}
+
+bool SurfaceSimplifier::are_edges_fit(std::uint32_t v, const Patching& patching) const {
+  const auto has_edge = [](const SurfaceTriangle& t, std::uint32_t a, std::uint32_t b) {
+    return std::ranges::count(t.corners, a) > 0 && std::ranges::count(t.corners, b) > 0;
+  };
+  for (std::size_t k = 0; k < patching.triangles.size(); ++k) {
+    const SurfaceTriangle& t = patching.triangles[k].surface;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = t.corners[i], b = t.corners[(i + 1) % 3];
+      if (is_on_curve(a, b)) continue;
+      for (std::size_t l = 0; l < k; ++l) {
+        const SurfaceTriangle& s = patching.triangles[l].surface;
+        if (has_edge(s, a, b) && !is_edge_fit(v, t, s, a, b)) return false;
+      }
+      for (const std::uint32_t other : star_[a]) {
+        const SurfaceTriangle& s = triangles_[other].surface;
+        if (has_edge(s, a, b) && std::ranges::count(s.corners, v) == 0 && !is_edge_fit(v, t, s, a, b)) return false;
+      }
+    }
+  }
+  return true;
+}
+
+bool SurfaceSimplifier::is_edge_fit(std::uint32_t v, const SurfaceTriangle& t, const SurfaceTriangle& s,
+                                    std::uint32_t a, std::uint32_t b) const {
+  const std::uint32_t p = third_corner(t, a, b), q = third_corner(s, a, b);
+  const auto found = edge_balls(point(a), point(b), point(p), point(q), regions_beside(t, a, b));
+  if (!found) return false;
+  for (std::size_t k = 0; k < found->n; ++k) {
+    const Vec<3>& x = found->balls[k].center;
+    const double reach_sq = found->balls[k].radius * found->balls[k].radius * (1 - kBallMargin);
+    bool is_empty = true;
+    tree_.for_each(
+        [&](const Box<3>& box) { return is_empty && box.distance_sq(x) <= reach_sq; },
+        [&](std::uint32_t item) {
+          const std::uint32_t w = treed_[item];
+          if (is_gone_[w] == 0 && w != v && w != a && w != b && w != p && w != q && distance_sq(x, point(w)) < reach_sq)
+            is_empty = false;
+        });
+    if (!is_empty) return false;
+  }
+  return true;
 }
 
 bool SurfaceSimplifier::carry(std::uint32_t v, bool takes_vertex, const Sheet& sheet, Patching& patching) const {

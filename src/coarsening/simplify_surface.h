@@ -12,6 +12,7 @@
 
 #include "coarsening/surface_complex.h"
 #include "geom/box_tree.h"
+#include "spheres/sphere_set.h"
 
 namespace voropack {
 
@@ -29,7 +30,8 @@ struct LevelSurface {
 /// Invariants, which hold of the surface of a boundary-conforming Delaunay mesh and are kept:
 ///  1. The equatorial ball of each triangle holds no vertex of the surface but its corners, nor has one on its sphere;
 ///     but for cocircular vertices in its plane, between which the Delaunay kernel's rule for ties decides.
-///  2. The diametral ball of each edge holds no vertex, but for edges inside of patches between coplanar triangles.
+///  2. The diametral ball of each curve edge holds no vertex.
+///  3. The balls of each new edge inside of a patch (edge_balls.h) hold no vertex but the corners of the two triangles.
 /// So all of them are Delaunay, and nothing crosses. A patch keeps its topology, a curve its ends, closed ones enclose
 /// something, no region gains or loses more than `max_volume_change` of its volume.
 class SurfaceSimplifier {
@@ -40,7 +42,8 @@ class SurfaceSimplifier {
   /// that can be had. `allowance`: how far patches may move on the average, in units of `max_volume_change` times
   /// volume over area of the regions; no vertex that was taken away is farther than f / 2 from the surface, or from its
   /// curve.
-  void simplify(std::span<const double> f, double allowance);
+  /// `zones`: balls in which the diametral balls of all new edges are empty, too.
+  void simplify(std::span<const double> f, double allowance, std::span<const Ball<3>> zones);
 
   [[nodiscard]] LevelSurface surface() const;
   /// The largest one of a region, as a part of its volume.
@@ -96,6 +99,11 @@ class SurfaceSimplifier {
 
   /// Best triangles for the hole, if there are any that keep the invariants.
   [[nodiscard]] std::optional<Patching> patch(std::uint32_t v, const Sheet& sheet, bool is_open) const;
+  /// Whether the balls of all edges that are new, or have a new triangle, hold no vertex.
+  [[nodiscard]] bool are_edges_fit(std::uint32_t v, const Patching& patching) const;
+  /// `t` and `s` meet at edge ab.
+  [[nodiscard]] bool is_edge_fit(std::uint32_t v, const SurfaceTriangle& t, const SurfaceTriangle& s, std::uint32_t a,
+                                 std::uint32_t b) const;
   [[nodiscard]] bool carry(std::uint32_t v, bool takes_vertex, const Sheet& sheet, Patching& patching) const;
   [[nodiscard]] bool allows_drift(const Sheet& sheet, Patching& patching) const;
   [[nodiscard]] bool is_empty_ball(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t gone) const;
@@ -108,6 +116,7 @@ class SurfaceSimplifier {
   const SurfaceComplex* fine_;
   double max_volume_change_;
   std::span<const double> f_;
+  std::span<const Ball<3>> zones_;
   std::vector<double> room_;  ///< By region: how far its boundary may move on the average.
   std::vector<Triangle> triangles_;
   std::vector<Edge> edges_;

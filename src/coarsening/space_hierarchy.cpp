@@ -140,7 +140,7 @@ class SpaceHierarchy {
     for (Plan& plan : plans_) {
       observer_.check_cancelled();
       for (std::size_t v = 0; v < f.size(); ++v) f[v] = plan.spacing[surface_.vertex[v]];
-      simplifier.simplify(f, 1);
+      simplifier.simplify(f, 1, zones_);
       plan.surface = simplifier.surface();
       plan.volume_change = simplifier.volume_change();
     }
@@ -166,8 +166,9 @@ class SpaceHierarchy {
       for (std::size_t p = 0; p < points.size(); ++p)
         spheres.add({points[p], caps(points[p], plan.spacing[surface_.vertex[plan.surface.vertices[p]]])});
       const WallLocator<3> locator(walls_of_surface(surface_, plan.surface));
-      const BallSet<3> balls =
+      BallSet<3> balls =
           protecting_balls(domain_of_surface(surface_, plan.surface), packing_of_surface(surface_, plan.surface));
+      for (const Ball<3>& ball : edge_balls_of_surface(surface_, plan.surface)) balls.add(ball);
       parallel_for(admission.size(), [&](std::size_t i) {
         if (admission[i] == 0) return;
         const Vec<3>& x = mesh_.points[VertexId(i)];
@@ -298,6 +299,7 @@ class SpaceHierarchy {
   SurfaceComplex surface_;
   std::vector<int> vertex_region_;  ///< Of inner vertices; as in the surface.
   std::vector<Plan> plans_;
+  std::vector<Ball<3>> zones_;
   std::vector<std::uint8_t> is_kept_;  ///< By vertex: whether it is in a coarser level.
 };
 

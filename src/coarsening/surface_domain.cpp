@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "coarsening/edge_balls.h"
 #include "geom/circumcenter.h"
 
 namespace voropack {
@@ -98,6 +99,26 @@ Packing<3> packing_of_surface(const SurfaceComplex& fine, const LevelSurface& su
     packing.subfacets.push_back({{sphere(a), sphere(b), sphere(c)}, PolytopeId(2, f)});
   }
   return packing;
+}
+
+std::vector<Ball<3>> edge_balls_of_surface(const SurfaceComplex& fine, const LevelSurface& surface) {
+  std::map<Ends, std::vector<std::uint32_t>> beside;
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto& c = surface.triangles[t].corners;
+      beside[ends_of(c[i], c[(i + 1) % 3])].push_back(t);
+    }
+  for (const CurveEdge& e : surface.edges) beside.erase(ends_of(e.ends[0], e.ends[1]));
+  std::vector<Ball<3>> balls;
+  for (const auto& [ends, triangles] : beside) {
+    if (triangles.size() != 2) continue;
+    const SurfaceTriangle &t = surface.triangles[triangles[0]], &s = surface.triangles[triangles[1]];
+    const auto [a, b] = ends;
+    const auto found = edge_balls(fine.points[a], fine.points[b], fine.points[third_corner(t, a, b)],
+                                  fine.points[third_corner(s, a, b)], regions_beside(t, a, b));
+    if (found) balls.insert(balls.end(), found->balls.begin(), found->balls.begin() + static_cast<long>(found->n));
+  }
+  return balls;
 }
 
 Walls<3> walls_of_surface(const SurfaceComplex& fine, const LevelSurface& surface) {

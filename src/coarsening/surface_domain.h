@@ -18,6 +18,9 @@ Domain<3> domain_of_surface(const SurfaceComplex& fine, const LevelSurface& surf
 /// A packing of nothing but the surface's vertices, with radii 0: its triangles and curve edges are protected.
 Packing<3> packing_of_surface(const SurfaceComplex& fine, const LevelSurface& surface);
 
+/// The balls of the edges inside of patches (edge_balls.h).
+std::vector<Ball<3>> edge_balls_of_surface(const SurfaceComplex& fine, const LevelSurface& surface);
+
 /// The triangles with the regions beside them.
 Walls<3> walls_of_surface(const SurfaceComplex& fine, const LevelSurface& surface);
 
