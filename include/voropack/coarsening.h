@@ -143,8 +143,9 @@ struct BeyondBoundaryOptions {
   /// Boundary vertices where the boundary turns by more than this stay on all levels. In (0, 180]: none stays for its
   /// angle.
   double feature_angle_deg = 180;
-  /// In space: faces of different markers may be joined where the regions beside them are the same; the new ones get
-  /// the marker of the largest one. For meshes of surface files, in which each triangle has a marker of its own.
+  /// In space: faces of different markers may be joined where the regions beside them are the same. A part of the
+  /// boundary between curves gets the marker of most of it. For meshes of surface files, in which each triangle has a
+  /// marker of its own.
   bool merge_markers = false;
   std::uint64_t seed = 1;
 };

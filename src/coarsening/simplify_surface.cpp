@@ -101,9 +101,8 @@ SurfacePlace SurfaceSimplifier::place_of(std::uint32_t v) const {
   return SurfacePlace::kAnchor;
 }
 
-void SurfaceSimplifier::simplify(std::span<const double> f, double allowance, std::span<const Ball<3>> zones) {
+void SurfaceSimplifier::simplify(std::span<const double> f, double allowance) {
   f_ = f;
-  zones_ = zones;
   room_.clear();
   for (std::size_t r = 0; r < fine_->region_id.size(); ++r)
     room_.push_back(allowance * max_volume_change_ * fine_->region_volume[r] / fine_->region_boundary_area[r]);
@@ -253,61 +252,6 @@ bool SurfaceSimplifier::remove(std::uint32_t v) {
   return true;
 }
 
-/// Which edges new triangles in a hole may have.
-class SurfaceSimplifier::EdgeRule {
- public:
-  EdgeRule(const SurfaceSimplifier& surface, std::uint32_t v, const Sheet& sheet, bool is_open, const Vec<3>& normal)
-      : surface_(surface), v_(v), sheet_(sheet), is_open_(is_open) {
-    const double limit = kCoplanarAngle * norm(normal);
-    is_planar_ = std::ranges::all_of(sheet.rim, [&](std::uint32_t w) {
-      const Vec<3> to = surface.point(w) - surface.point(v);
-      return std::abs(dot(normal, to)) <= limit * norm(to);
-    });
-    for (auto& row : known_) row.fill(kUnknown);
-    is_strict_ = std::ranges::any_of(
-        surface.zones_, [&](const Ball<3>& zone) { return distance(zone.center, surface.point(v)) <= zone.radius; });
-  }
-
-  /// The edge between two corners of the rim, i < j, in a triangle with a third one.
-  bool allows(std::size_t i, std::size_t j, std::size_t apex) {
-    const bool is_closing = i == 0 && j + 1 == sheet_.rim.size();
-    if (is_closing && is_open_) return true;  // The new edge of the curve.
-    const std::uint32_t a = sheet_.rim[i], b = sheet_.rim[j];
-    const bool is_on_rim = j == i + 1 || is_closing;
-    if (!is_strict_) return is_on_rim || !surface_.are_adjacent(a, b);
-    if (is_on_rim && (surface_.is_on_curve(a, b) || is_coplanar_beyond(a, b, sheet_.rim[apex]))) return true;
-    State& state = known_[i][j];
-    if (state == kUnknown)
-      state = (is_on_rim || !surface_.are_adjacent(a, b)) &&
-                      ((is_planar_ && !is_on_rim) || surface_.is_empty_ball(a, b, v_, false))
-                  ? kYes
-                  : kNo;
-    return state == kYes;
-  }
-
- private:
-  enum State : std::uint8_t { kUnknown, kYes, kNo };
-
-  /// Whether the triangle outside of the hole at edge ab and the apex lie in one plane.
-  [[nodiscard]] bool is_coplanar_beyond(std::uint32_t a, std::uint32_t b, std::uint32_t apex) const {
-    for (const std::uint32_t t : surface_.star_[a]) {
-      const auto& c = surface_.triangles_[t].surface.corners;
-      if (std::ranges::count(c, b) == 0 || std::ranges::count(c, v_) > 0) continue;
-      const Vec<3> normal =
-          cross(surface_.point(c[1]) - surface_.point(c[0]), surface_.point(c[2]) - surface_.point(c[0]));
-      const Vec<3> to = surface_.point(apex) - surface_.point(a);
-      if (!(std::abs(dot(normal, to)) <= kCoplanarAngle * norm(normal) * norm(to))) return false;
-    }
-    return true;
-  }
-
-  const SurfaceSimplifier& surface_;
-  std::uint32_t v_;
-  const Sheet& sheet_;
-  bool is_open_, is_planar_ = false, is_strict_ = false;
-  std::array<std::array<State, kMaxRim>, kMaxRim> known_;
-};
-
 auto SurfaceSimplifier::patch(std::uint32_t v, const Sheet& sheet, bool is_open) const -> std::optional<Patching> {
   const std::vector<std::uint32_t>& rim = sheet.rim;
   const std::size_t n = rim.size();
@@ -320,14 +264,16 @@ auto SurfaceSimplifier::patch(std::uint32_t v, const Sheet& sheet, bool is_open)
     worst = std::max(worst, radius_edge_ratio(point(v), a, b));
   }
   const double unit = f_[v] * f_[v] * f_[v];
-  EdgeRule rule(*this, v, sheet, is_open, mean);
+  const auto may_have_edge = [&](std::size_t i, std::size_t j) {
+    return j == i + 1 || (i == 0 && j == n - 1) || !are_adjacent(rim[i], rim[j]);
+  };
   const auto cost = [&](std::size_t i, std::size_t m, std::size_t j) {
     const Vec<3>&a = point(rim[i]), &b = point(rim[m]), &c = point(rim[j]);
     const Vec<3> normal = cross(b - a, c - a);
     if (!(dot(normal, mean) > kLeastCosine * norm(normal) * norm(mean))) return kInfinity;
     const double ratio = radius_edge_ratio(a, b, c);
     if (!(ratio <= worst)) return kInfinity;
-    if (!rule.allows(i, m, j) || !rule.allows(m, j, i) || !rule.allows(i, j, m)) return kInfinity;
+    if (!may_have_edge(i, m) || !may_have_edge(m, j) || !may_have_edge(i, j)) return kInfinity;
     if (has_triangle(rim[i], rim[m], rim[j]) || !is_empty_ball(rim[i], rim[m], rim[j], v)) return kInfinity;
     return ratio * ratio + kVolumeWeight * std::abs(sixfold_volume(point(v), a, b, c)) / unit;
   };
@@ -348,13 +294,7 @@ auto SurfaceSimplifier::patch(std::uint32_t v, const Sheet& sheet, bool is_open)
   if (best[0][n - 1] == kInfinity) return std::nullopt;
 
   Patching result;
-  SurfaceTriangle like = triangles_[sheet.triangles[0]].surface;
-  double largest = 0;
-  for (const std::uint32_t t : sheet.triangles) {  // The marker of the largest one.
-    const auto& c = triangles_[t].surface.corners;
-    const double area = norm(cross(point(c[1]) - point(c[0]), point(c[2]) - point(c[0])));
-    if (area > largest) largest = area, like.marker = triangles_[t].surface.marker;
-  }
+  const SurfaceTriangle& like = triangles_[sheet.triangles[0]].surface;
   std::vector<std::array<std::size_t, 2>> stack = {{0, n - 1}};
   while (!stack.empty()) {
     const auto [i, j] = stack.back();

@@ -12,7 +12,6 @@
 
 #include "coarsening/surface_complex.h"
 #include "geom/box_tree.h"
-#include "spheres/sphere_set.h"
 
 namespace voropack {
 
@@ -42,8 +41,7 @@ class SurfaceSimplifier {
   /// that can be had. `allowance`: how far patches may move on the average, in units of `max_volume_change` times
   /// volume over area of the regions; no vertex that was taken away is farther than f / 2 from the surface, or from its
   /// curve.
-  /// `zones`: balls in which the diametral balls of all new edges are empty, too.
-  void simplify(std::span<const double> f, double allowance, std::span<const Ball<3>> zones);
+  void simplify(std::span<const double> f, double allowance);
 
   [[nodiscard]] LevelSurface surface() const;
   /// The largest one of a region, as a part of its volume.
@@ -75,7 +73,6 @@ class SurfaceSimplifier {
     double volume = 0;  ///< Passed along the normal.
     double area = 0;
   };
-  class EdgeRule;
   struct Wish {
     double ratio;
     int reluctance;
@@ -116,7 +113,6 @@ class SurfaceSimplifier {
   const SurfaceComplex* fine_;
   double max_volume_change_;
   std::span<const double> f_;
-  std::span<const Ball<3>> zones_;
   std::vector<double> room_;  ///< By region: how far its boundary may move on the average.
   std::vector<Triangle> triangles_;
   std::vector<Edge> edges_;

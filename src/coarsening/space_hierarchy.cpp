@@ -24,13 +24,16 @@ namespace voropack {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Surfaces are tried with this many times the drift that all of the region's volume change allows, and with half of
-/// that until volumes are kept.
-constexpr double kMostAllowance = 8;
+/// Surfaces are tried with this many times the drift that all of the region's volume change allows, and with ever less
+/// until volumes are kept.
+constexpr double kMostAllowance = 16;
+constexpr double kLessAllowance = 0.7;
+/// What is more than this part of the volume change that is allowed has been refused at some places.
+constexpr double kVolumeUse = 0.95;
 /// A level with more than this part of the vertices of the next finer one is none.
 constexpr double kLeastGain = 0.95;
 /// So often f shrinks on one level where simplices are long or leave room.
-constexpr int kMaxRounds = 8;
+constexpr int kMaxRounds = 2;
 
 /// The minimum of Lipschitz functions, each of which grows from one center.
 class Caps {
@@ -140,9 +143,18 @@ class SpaceHierarchy {
     for (Plan& plan : plans_) {
       observer_.check_cancelled();
       for (std::size_t v = 0; v < f.size(); ++v) f[v] = plan.spacing[surface_.vertex[v]];
-      simplifier.simplify(f, 1, zones_);
+      simplifier = simplify(simplifier, f);
       plan.surface = simplifier.surface();
       plan.volume_change = simplifier.volume_change();
+    }
+  }
+
+  /// As far as volumes allow it without deciding what comes last.
+  [[nodiscard]] SurfaceSimplifier simplify(const SurfaceSimplifier& before, const std::vector<double>& f) const {
+    for (double allowance = kMostAllowance;; allowance *= kLessAllowance) {
+      SurfaceSimplifier result = before;
+      result.simplify(f, allowance);
+      if (allowance <= 1 || result.volume_change() <= kVolumeUse * options_.max_area_change) return result;
     }
   }
 
@@ -248,7 +260,6 @@ class SpaceHierarchy {
       observer_.check_cancelled();
       PackedLevel<3> level = pack(fine, plan, faults);
       const std::vector<SpacingCap<3>> gaps = complete_level(fine, options_.lipschitz, level, observer_);
-      observer_.log(LogLevel::kInfo, "level");
       if (gaps.empty() || round == kMaxRounds || level.vertex.size() == std::exchange(n_before, level.vertex.size()))
         return finish(i, fine.place.domain, std::move(level));
       faults.insert(faults.end(), gaps.begin(), gaps.end());
@@ -299,7 +310,6 @@ class SpaceHierarchy {
   SurfaceComplex surface_;
   std::vector<int> vertex_region_;  ///< Of inner vertices; as in the surface.
   std::vector<Plan> plans_;
-  std::vector<Ball<3>> zones_;
   std::vector<std::uint8_t> is_kept_;  ///< By vertex: whether it is in a coarser level.
 };
 

@@ -4,7 +4,9 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <set>
 
+#include "base/disjoint_sets.h"
 #include "base/parallel.h"
 #include "geom/circumcenter.h"
 #include "geom/distance.h"
@@ -29,6 +31,7 @@ class SurfaceFinder {
     add_triangles();
     number_patches();
     find_curves();
+    if (wish_.merge_markers) merge_markers();
     return std::move(out_);
   }
 
@@ -156,6 +159,28 @@ class SurfaceFinder {
         add_curve_edge(edges[i].ends, around, is_listed ? listed.at(edges[i].ends) : 0);
       i = end;
     }
+  }
+
+  /// What is joined gets the marker that covers most of it.
+  void merge_markers() {
+    std::set<std::array<std::uint32_t, 2>> curves;
+    for (const CurveEdge& e : out_.edges) curves.insert(e.ends);
+    std::map<std::array<std::uint32_t, 2>, std::uint32_t> beside;
+    DisjointSets sets(out_.triangles.size());
+    for (std::uint32_t t = 0; t < out_.triangles.size(); ++t)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto& c = out_.triangles[t].corners;
+        const auto ends = ends_of(c[i], c[(i + 1) % 3]);
+        if (curves.contains(ends)) continue;
+        const auto [it, is_new] = beside.try_emplace(ends, t);
+        if (!is_new) sets.join(it->second, t);
+      }
+    std::map<std::uint32_t, std::map<int, double>> areas;
+    for (std::uint32_t t = 0; t < out_.triangles.size(); ++t)
+      areas[sets.find(t)][out_.triangles[t].marker] += norm(normal_of(out_.triangles[t]));
+    for (std::uint32_t t = 0; t < out_.triangles.size(); ++t)
+      out_.triangles[t].marker =
+          std::ranges::max_element(areas[sets.find(t)], {}, [](const auto& entry) { return entry.second; })->first;
   }
 
   [[nodiscard]] bool is_curve(const std::array<std::uint32_t, 2>& ends, const std::vector<std::uint32_t>& around,

@@ -42,7 +42,7 @@ struct SurfaceComplex {
 /// What makes patches and curves.
 struct SurfaceWish {
   double feature_angle_deg = 180;  ///< Edges where the surface turns by more are on curves.
-  bool merge_markers = false;      ///< A patch may have faces of different markers.
+  bool merge_markers = false;      ///< Faces of different markers may be joined: what is connected gets the same one.
 };
 
 /// Boundary faces with the same regions on their sides, and the same marker, are a patch; regions[0] > regions[1], or
