@@ -49,7 +49,8 @@ Json options_json(const CoarsenArguments& arguments) {
   } else {
     json["target_nodes"] = options.target_vertices;
   }
-  json["lipschitz"] = arguments.is_beyond ? arguments.beyond.lipschitz : options.lipschitz;
+  if (!arguments.is_beyond) json["lipschitz"] = options.lipschitz;
+  if (arguments.is_beyond && arguments.lipschitz) json["lipschitz"] = *arguments.lipschitz;
   json["initial"] = name_of(kInitialNames, options.initial);
   json["order"] = name_of(kOrderNames, options.order);
   json["quasi_uniform"] = options.quasi_uniform;
@@ -61,6 +62,7 @@ Json options_json(const CoarsenArguments& arguments) {
   json["improve"] = name_of(kImprovementNames, arguments.beyond.improvement);
   json["restarts"] = arguments.beyond.restarts;
   json["max_area_change"] = arguments.beyond.max_area_change;
+  json["merge_markers"] = arguments.beyond.merge_markers;
   json["feature_angle"] = arguments.beyond.feature_angle_deg;
   return json;
 }
@@ -216,7 +218,7 @@ std::vector<LevelBoundary<D>> read_boundaries(const std::vector<std::string>& te
 /// Levels of either kind, and what is known of each.
 template <int D>
 struct Levels {
-  CoarseningHierarchy<D> hierarchy;         ///< Within the boundary.
+  CoarseningHierarchy<D> hierarchy;            ///< Within the boundary.
   std::vector<SimplifiedLevel<D>> simplified;  ///< Beyond it.
   std::vector<const CoarseLevel<D>*> all;
   std::vector<LevelFigures> figures;
@@ -313,9 +315,11 @@ void add_level_options(CLI::App& app, CoarsenArguments& arguments) {
       ->type_name("N1,N2,...")
       ->excludes(levels)
       ->excludes(growth);
-  app.add_option("--lipschitz", arguments.lipschitz,
-                 fmt::format("Lipschitz constant of the spacing of each level; {} by default, {} beyond the boundary",
-                             options.lipschitz, arguments.beyond.lipschitz))
+  app.add_option(
+         "--lipschitz", arguments.lipschitz,
+         fmt::format("Lipschitz constant of the spacing of each level; {} by default, 0.1 beyond the boundary in "
+                     "the plane",
+                     options.lipschitz))
       ->check(positive_number(0.9));
   app.add_option("--initial", options.initial,
                  "Spacing of MESH at a vertex: half the distance to its nearest neighbor (nearest), or that of a\n"
@@ -340,29 +344,31 @@ void add_boundary_option(CLI::App& app, CoarsenArguments& arguments) {
 
 void add_beyond_options(CLI::App& app, CoarsenArguments& arguments) {
   BeyondBoundaryOptions& options = arguments.beyond;
-  CLI::Option* const beyond =
-      app.add_flag("--beyond-boundary", arguments.is_beyond,
-                   "In the plane: simplify the boundary with its mesh, and report how far it moves")
-          ->excludes("--quasi-uniform")
-          ->excludes("--level-boundary");
+  CLI::Option* const beyond = app.add_flag("--beyond-boundary", arguments.is_beyond,
+                                           "Simplify the boundary with its mesh, and report how far it moves")
+                                  ->excludes("--quasi-uniform")
+                                  ->excludes("--level-boundary");
   app.add_option("--feature-angle", options.feature_angle_deg,
-                 "Beyond the boundary: vertices where it turns by more than this stay on all levels")
+                 "Beyond the boundary: vertices where it turns by more than this stay on all levels; in space, edges\n"
+                 "where it does are features, which keep their ends")
       ->check(positive_number(180))
       ->type_name("DEG")
       ->capture_default_str()
       ->needs(beyond);
   app.add_option("--improve", options.improvement,
-                 "Beyond the boundary: exchange vertices for better shapes as long as vertices keep their distance\n"
+                 "Beyond the boundary, in the plane: exchange vertices for better shapes as long as vertices keep "
+                 "their distance\n"
                  "(packed), or whatever their distance (free)")
       ->transform(CLI::CheckedTransformer(kImprovementNames))
       ->default_str(std::string(name_of(kImprovementNames, options.improvement)))
       ->needs(beyond);
-  app.add_option("--restarts", options.restarts, "Beyond the boundary: attempts per level, of which the best is taken")
+  app.add_option("--restarts", options.restarts,
+                 "Beyond the boundary, in the plane: attempts per level, of which the best is taken")
       ->check(whole_number(1, 1000))
       ->capture_default_str()
       ->needs(beyond);
   app.add_option("--max-area-change", options.max_area_change,
-                 "Beyond the boundary: how much of its area a region may win or lose")
+                 "Beyond the boundary: how much of its area or volume a region may win or lose")
       ->check(CLI::Range(1e-9, 0.999))
       ->capture_default_str()
       ->needs(beyond);
@@ -381,7 +387,8 @@ void copy_shared_options(CoarsenArguments& arguments, std::uint64_t seed) {
   arguments.beyond.initial = arguments.options.initial;
   arguments.beyond.order = arguments.options.order;
   if (!arguments.lipschitz) return;
-  arguments.options.lipschitz = arguments.beyond.lipschitz = *arguments.lipschitz;
+  arguments.options.lipschitz = *arguments.lipschitz;
+  arguments.beyond.lipschitz = arguments.lipschitz;
 }
 
 }  // namespace

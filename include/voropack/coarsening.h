@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "voropack/domain.h"
@@ -132,16 +133,18 @@ struct BeyondBoundaryOptions {
   double growth = 2;  ///< f_i = growth^i f_0, made Lipschitz. > 1.
   /// Instead of `levels` and `growth`: numbers of vertices of levels 1, 2, ..., falling. The growth of each level is
   /// the one that comes closest from below; where no growth suffices, the Lipschitz constant is raised for that level.
+  /// Only in the plane.
   std::vector<std::size_t> target_vertices;
-  double lipschitz = 0.1;  ///< Of the spacing function of each level. In (0, 1).
+  /// Of the spacing function of each level. In (0, 1). If absent: 0.1 in the plane, 0.25 in space.
+  std::optional<double> lipschitz = std::nullopt;
   InitialSpacing initial = InitialSpacing::kMeanEdge;
   CoarseningOrder order = CoarseningOrder::kFront;
-  int restarts = 1;  ///< Packings tried per level, with different seeds; the best shapes are taken. >= 1.
-  LocalImprovement improvement = LocalImprovement::kFree;
-  int trials = 300;               ///< Exchanges tried per vertex of a level. >= 0.
-  double max_area_change = 0.02;  ///< Of each region, as a part of its area. In (0, 1).
-  /// Boundary vertices where the boundary turns by more than this stay on all levels. In (0, 180]: none stays for its
-  /// angle.
+  int restarts = 1;  ///< Packings tried per level, with different seeds; the best shapes are taken. >= 1. In the plane.
+  LocalImprovement improvement = LocalImprovement::kFree;  ///< In the plane.
+  int trials = 300;                                        ///< Exchanges tried per vertex of a level. >= 0.
+  double max_area_change = 0.02;  ///< Of each region, as a part of its area, in space of its volume. In (0, 1).
+  /// Boundary vertices where the boundary turns by more than this stay on all levels, in space those between edges
+  /// where it does; along such edges every other one may go. In (0, 180]: none stays for its angle.
   double feature_angle_deg = 180;
   /// In space: faces of different markers may be joined where the regions beside them are the same. A part of the
   /// boundary between curves gets the marker of most of it. For meshes of surface files, in which each triangle has a
@@ -156,27 +159,33 @@ struct BeyondBoundaryOptions {
 template <int D>
 struct SimplifiedLevel : CoarseLevel<D> {
   double lipschitz = 0;        ///< Of f.
-  double area_change = 0;      ///< The largest one of a region, as a part of its area.
+  double area_change = 0;      ///< The largest one of a region, as a part of its area or volume.
   double largest_overlap = 0;  ///< Of two f-spheres: 1 - distance / sum of the radii. 0 if it is a packing.
   std::size_t n_exchanges = 0;
 };
 
-/// Coarsens a Delaunay mesh in the plane and its boundary with it, beyond what keeps the domain's shape.
+/// Coarsens a Delaunay mesh and its boundary with it, beyond what keeps the domain's shape.
 ///
 /// The vertices of each level are some of those of the level before. Its boundary passes some of the boundary vertices
 /// in the order of the original one; it does not cross itself, holes stay holes and interfaces interfaces, with their
 /// markers. Each level is the boundary-conforming Delaunay mesh of the domain that its own boundary encloses: diametral
-/// balls of boundary edges are empty, and no triangle is left out.
+/// balls of boundary edges, in space equatorial balls of boundary triangles, are empty, and no simplex is left out.
 ///
-/// Built from the coarsest level up. A level is packed with vertices of the finest mesh, boundary chains first; where
-/// the boundary does not conform, vertices are left out (tips of wedges that are too thin for f), or f is halved. Then
-/// vertices are exchanged by simulated annealing, except for those of the next coarser level.
+/// In the plane: built from the coarsest level up. A level is packed with vertices of the finest mesh, boundary chains
+/// first; where the boundary does not conform, vertices are left out (tips of wedges that are too thin for f), or f is
+/// halved. Then vertices are exchanged by simulated annealing, except for those of the next coarser level.
 /// Cost: O(n log n) per packing, and `trials` local changes per vertex. Deterministic.
-/// Throws: OptionError coarsen.bad_option, coarsen.plane_only (in 3D).
+///
+/// In space: first the surfaces of all levels, each from the one before, by taking vertices away one by one; then the
+/// vertices inside, from the coarsest level up. The hierarchy ends early where a level would not be coarser. No
+/// f-spheres overlap. `boundary_distance` is the Hausdorff distance, at most 2 % too small, or below 0.3 % of the
+/// diameter. Cost: O(n log n) per level. The same result for any number of threads.
+///
+/// Throws: OptionError coarsen.bad_option.
 ///         InputError  coarsen.not_delaunay, coarsen.not_conforming, coarsen.not_an_edge.
 ///         Cancelled   if the observer asks to stop.
 template <int D>
 std::vector<SimplifiedLevel<D>> coarsen_beyond_boundary(const Mesh<D>& mesh, const BeyondBoundaryOptions& options = {},
-                                                     Observer& observer = silent_observer());
+                                                        Observer& observer = silent_observer());
 
 }  // namespace voropack

@@ -19,6 +19,7 @@ namespace voropack {
 namespace {
 
 constexpr double kMaxGrowth = 1000;      // More changes nothing: f is what its Lipschitz condition allows.
+constexpr double kLipschitz = 0.1;       // If the user gives none.
 constexpr double kMaxLipschitz = 0.7;    // Beyond, shapes are not worth having.
 constexpr double kLipschitzStep = 1.25;  // What the constant is raised by where growth does not suffice.
 constexpr int kBisections = 12;          // Growth to about 0.2 %.
@@ -35,8 +36,8 @@ constexpr double kFewestVertices = 0.85;
 void check_options(const BeyondBoundaryOptions& o) {
   if (o.levels < 1) throw_bad_option(fmt::format("levels is {}", o.levels), "take at least 1");
   if (!(o.growth > 1)) throw_bad_option(fmt::format("growth is {}", o.growth), "take more than 1");
-  if (!(o.lipschitz > 0 && o.lipschitz < 1))
-    throw_bad_option(fmt::format("the Lipschitz constant is {}", o.lipschitz), "take a number between 0 and 1");
+  if (o.lipschitz && !(*o.lipschitz > 0 && *o.lipschitz < 1))
+    throw_bad_option(fmt::format("the Lipschitz constant is {}", *o.lipschitz), "take a number between 0 and 1");
   if (o.restarts < 1) throw_bad_option(fmt::format("restarts is {}", o.restarts), "take at least 1");
   if (o.trials < 0) throw_bad_option(fmt::format("trials is {}", o.trials), "take at least 0");
   if (!(o.max_area_change > 0 && o.max_area_change < 1))
@@ -80,7 +81,7 @@ class Hierarchy {
   [[nodiscard]] PackingWish wish(std::size_t i) const {
     PackingWish w;
     w.growth = std::pow(options_.growth, static_cast<double>(i + 1));
-    w.lipschitz = options_.lipschitz;
+    w.lipschitz = options_.lipschitz.value_or(kLipschitz);
     w.kept = kept_;
     w.bound = bound_;
     w.rungs = rungs_;
@@ -252,6 +253,8 @@ template <>
 std::vector<SimplifiedLevel<3>> coarsen_beyond_boundary<3>(const Mesh<3>& mesh, const BeyondBoundaryOptions& options,
                                                            Observer& observer) {
   check_options(options);
+  if (!options.target_vertices.empty())
+    throw_bad_option("numbers of vertices are given for levels beyond the boundary in space", "give a growth instead");
   require_delaunay(mesh);
   observer.begin_stage("coarsen");
   return make_space_hierarchy(mesh, options, observer);

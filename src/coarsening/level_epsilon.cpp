@@ -12,6 +12,10 @@ namespace voropack {
 namespace {
 
 constexpr double kEpsilonSlack = 1e-9;  // Whoever measures again rounds otherwise.
+/// The least one of a packing that is not maximal at every circumcenter, whatever E that takes.
+constexpr double kLeastEpsilon = 1e-6;
+/// Radius-edge ratios that Voronoi-maximal packings keep (docs/theory/certificate.md).
+constexpr double kMaximalRadiusEdge = 2.5;
 
 }  // namespace
 
@@ -28,8 +32,13 @@ double measured_epsilon(const Mesh<D>& mesh) {
     std::array<Vec<D>, D + 1> x;
     for (std::size_t i = 0; i <= D; ++i) x[i] = mesh.points[c[i]];
     const double radius = distance(fast_circumcenter(x), x[0]);
-    double f = std::numeric_limits<double>::infinity();
-    for (const VertexId v : c) f = std::min(f, mesh.vertex_spacing[v] + slope * radius);
+    double f = std::numeric_limits<double>::infinity(), largest = 0, shortest = f;
+    for (std::size_t i = 0; i <= D; ++i) {
+      f = std::min(f, mesh.vertex_spacing[c[i]] + slope * radius);
+      largest = std::max(largest, mesh.vertex_spacing[c[i]]);
+      for (std::size_t j = 0; j < i; ++j) shortest = std::min(shortest, distance(x[i], x[j]));
+    }
+    if (radius > f + largest || radius > kMaximalRadiusEdge * shortest) epsilon = std::max(epsilon, kLeastEpsilon);
     epsilon = std::max(epsilon, (radius * (1 - slope) / f - 2) / (1 + slope));
   }
   return epsilon > 0 ? epsilon * (1 + kEpsilonSlack) : 0;

@@ -23,6 +23,7 @@ namespace voropack {
 
 namespace {
 
+constexpr double kLipschitz = 0.25;  ///< If the user gives none.
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Surfaces are tried with this many times the drift that all of the region's volume change allows, and with ever less
 /// until volumes are kept.
@@ -78,6 +79,7 @@ class SpaceHierarchy {
       : mesh_(mesh),
         options_(options),
         observer_(observer),
+        lipschitz_(options.lipschitz.value_or(kLipschitz)),
         surface_(find_surface(mesh, {options.feature_angle_deg, options.merge_markers})),
         vertex_region_(regions_of_vertices()) {}
 
@@ -132,7 +134,7 @@ class SpaceHierarchy {
     for (int i = 0; i < options_.levels; ++i) {
       observer_.check_cancelled();
       for (double& value : f) value *= options_.growth;
-      make_lipschitz(edges, options_.lipschitz, f);
+      make_lipschitz(edges, lipschitz_, f);
       plans_.emplace_back().spacing = f;
     }
   }
@@ -174,7 +176,7 @@ class SpaceHierarchy {
       std::vector<SpacingCap<3>> room;
       SphereSet<3> spheres(points[0], 0.5, half[0]);
       for (std::size_t p = 0; p < points.size(); ++p) room.push_back({points[p], 0, half[p], std::nullopt});
-      const Caps caps(std::move(room), options_.lipschitz);
+      const Caps caps(std::move(room), lipschitz_);
       for (std::size_t p = 0; p < points.size(); ++p)
         spheres.add({points[p], caps(points[p], plan.spacing[surface_.vertex[plan.surface.vertices[p]]])});
       const WallLocator<3> locator(walls_of_surface(surface_, plan.surface));
@@ -220,7 +222,7 @@ class SpaceHierarchy {
     const std::vector<double> half = half_distances(level.packing.center.raw());
     for (std::size_t s = 0; s < half.size(); ++s)
       room.push_back({level.packing.center[SphereId(s)], 0, half[s], std::nullopt});
-    const Caps caps(std::move(room), options_.lipschitz);
+    const Caps caps(std::move(room), lipschitz_);
     level.spacing = plan.spacing;
     parallel_for(level.spacing.size(), [&](std::size_t i) {
       const VertexId v(i);
@@ -259,7 +261,7 @@ class SpaceHierarchy {
     for (int round = 0;; ++round) {
       observer_.check_cancelled();
       PackedLevel<3> level = pack(fine, plan, faults);
-      const std::vector<SpacingCap<3>> gaps = complete_level(fine, options_.lipschitz, level, observer_);
+      const std::vector<SpacingCap<3>> gaps = complete_level(fine, lipschitz_, level, observer_);
       if (gaps.empty() || round == kMaxRounds || level.vertex.size() == std::exchange(n_before, level.vertex.size()))
         return finish(i, fine.place.domain, std::move(level));
       faults.insert(faults.end(), gaps.begin(), gaps.end());
@@ -270,7 +272,7 @@ class SpaceHierarchy {
     const Plan& plan = plans_[i];
     SimplifiedLevel<3> level;
     level.growth = std::pow(options_.growth, static_cast<double>(i + 1));
-    level.lipschitz = options_.lipschitz;
+    level.lipschitz = lipschitz_;
     level.area_change = plan.volume_change;
     const std::vector<Vec<3>> centers = packed.packing.center.raw();
     level.mesh = triangulate(domain, std::move(packed.packing), observer_);
@@ -307,6 +309,7 @@ class SpaceHierarchy {
   const Mesh<3>& mesh_;
   const BeyondBoundaryOptions& options_;
   Observer& observer_;
+  double lipschitz_;
   SurfaceComplex surface_;
   std::vector<int> vertex_region_;  ///< Of inner vertices; as in the surface.
   std::vector<Plan> plans_;

@@ -88,8 +88,7 @@ class Coarsen(CommandLineTest):
             self.assertEqual(result.returncode, 2, result.stderr)
         self.assertFalse((self.folder / "out").exists())
 
-    def test_in_space_the_boundary_stays(self):
-        self.fail_with(2, "coarsen", "fine.node", "--beyond-boundary", "-o", "out", words="coarsen.plane_only")
+    def test_options_beyond_the_boundary_need_it(self):
         for option in (["--improve", "free"], ["--feature-angle", "30"], ["--restarts", "2"]):
             self.fail_with(2, "coarsen", "fine.node", "-o", "out", *option, words="--beyond-boundary")
 
