@@ -178,7 +178,7 @@ struct SimplifiedLevel : CoarseLevel<D> {
 ///
 /// In space: first the surfaces of all levels, each from the one before, by taking vertices away one by one; then the
 /// vertices inside, from the coarsest level up. The hierarchy ends early where a level would not be coarser. No
-/// f-spheres overlap. `boundary_distance` is the Hausdorff distance, at most 2 % too small, or below 0.3 % of the
+/// f-spheres overlap. `boundary_distance` is the Hausdorff distance, at most 2 % too small, or below 1 % of the
 /// diameter. Cost: O(n log n) per level. The same result for any number of threads.
 ///
 /// Throws: OptionError coarsen.bad_option.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kAccuracy = 0.02;
 /// Below this part of the surface's diameter the figure is the largest one of samples.
-constexpr double kLeast = 3e-3;
+constexpr double kLeast = 1e-2;
 
 using Triangle = std::array<Vec<3>, 3>;
 

@@ -88,6 +88,18 @@ class Coarsen(CommandLineTest):
             self.assertEqual(result.returncode, 2, result.stderr)
         self.assertFalse((self.folder / "out").exists())
 
+    def test_levels_go_beyond_the_boundary(self):
+        self.succeed("coarsen", "fine.node", "--beyond-boundary", "--levels", "2", "-o", "out", "--report", "report.json")
+        levels = self.report()["levels"]
+        self.assertEqual(len(levels), 2)
+        for k, level in enumerate(levels, 1):
+            self.assert_certified(level["certificate"])
+            self.assertLessEqual(level["area_change"], 0.02)
+            claims = ["--packing", "maximal", "--epsilon", repr(level["epsilon"])] if "epsilon" in level else []
+            self.succeed("check", f"out/level-{k}.node", *claims)
+        self.fail_with(2, "coarsen", "fine.node", "--beyond-boundary", "--target-nodes", "100", "-o", "no",
+                       words="coarsen.bad_option")
+
     def test_options_beyond_the_boundary_need_it(self):
         for option in (["--improve", "free"], ["--feature-angle", "30"], ["--restarts", "2"]):
             self.fail_with(2, "coarsen", "fine.node", "-o", "out", *option, words="--beyond-boundary")
