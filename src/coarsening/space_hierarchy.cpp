@@ -84,6 +84,7 @@ class SpaceHierarchy {
         vertex_region_(regions_of_vertices()) {}
 
   std::vector<SimplifiedLevel<3>> build() {
+    if (surface_.triangles.empty()) return {};
     find_spacings();
     simplify_surfaces();
     find_inner_vertices();

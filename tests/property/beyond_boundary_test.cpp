@@ -217,7 +217,6 @@ TEST(BeyondBoundary, SameSeedGivesTheSameLevels) {
 }
 
 TEST(BeyondBoundary, RefusesWhatItCannotDo) {
-  EXPECT_THROW(coarsen_beyond_boundary(Mesh<3>{}), OptionError);
   const Mesh<2> fine = disk(0.3);
   const auto refuses = [&](auto change) {
     BeyondBoundaryOptions options;
