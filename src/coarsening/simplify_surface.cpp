@@ -443,7 +443,6 @@ LevelSurface SurfaceSimplifier::surface() const {
   for (std::uint32_t v = 0; v < star_.size(); ++v) {
     if (is_gone_[v] != 0) continue;
     out.vertices.push_back(v);
-    out.place.push_back(place_of(v));
   }
   for (const Triangle& t : triangles_)
     if (t.is_alive) out.triangles.push_back(t.surface);

@@ -15,13 +15,12 @@
 
 namespace voropack {
 
-/// How many curves a vertex of a surface is on: none (inside of a patch), one, or it stays on all levels.
+/// Where a vertex of a surface is: inside of a patch, on one curve, or where it stays on all levels.
 enum class SurfacePlace : std::uint8_t { kPatch, kCurve, kAnchor };
 
 /// What is left of a surface.
 struct LevelSurface {
   std::vector<std::uint32_t> vertices;  ///< Places in the complex; ascending.
-  std::vector<SurfacePlace> place;      ///< [n_vertices]
   std::vector<SurfaceTriangle> triangles;
   std::vector<CurveEdge> edges;
 };
