@@ -35,7 +35,7 @@ struct PackingOptions {
   double epsilon = 0.25;                     ///< Only for kMaximal and kFiltered. In (0, 1].
   std::uint64_t seed = 1;                    ///< Same seed, same packing, for any number of threads.
   std::uint64_t max_vertices = 100'000'000;  ///< Budget. An estimate beyond it is a LimitError before the work.
-  int max_repairs = 60;                      ///< Rounds of shrinking f where a protecting ball is not empty.
+  int max_repairs = 1000;                    ///< Rounds of shrinking f where a protecting ball is not empty.
 };
 
 /// Mean edge length divided by f far from features, measured on uniform packings of the unit cube and square

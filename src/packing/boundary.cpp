@@ -16,73 +16,35 @@
 #include "packing/book.h"
 #include "packing/corner.h"
 #include "packing/facet.h"
-#include "packing/strands.h"
 #include "spheres/pack_interior.h"
 
 namespace voropack {
 
 namespace {
 
-/// Centers of a segment that were cocircular by symmetry with others move by this much, relative to f.
-constexpr double kSegmentJitter = 1e-4;
-
-template <int D>
-LocalSpacing<1> spacing_along(const Spacing<D>& spacing, const Vec<D>& a, const Vec<D>& direction) {
-  return {[&spacing, a, direction](const Vec<1>& t) { return spacing(a + t[0] * direction); },
-          [&spacing, a, direction](const Box<1>& box) {
-            Box<D> space;
-            space.add(a + box.lo[0] * direction);
-            space.add(a + box.hi[0] * direction);
-            return spacing.constant_on(space);
-          },
-          spacing.lipschitz()};
-}
-
-/// Arc lengths of the new centers inside an untied segment of the random forms, ascending.
-template <int D>
-std::vector<double> pack_segment(const Domain<D>& domain, SegmentId segment,
-                                 std::span<const typename KeptCenters<D>::OnSegment> kept, const Spacing<D>& spacing,
-                                 const PackingOptions& options, const Observer& observer) {
-  const Vec<D> a = domain.points[domain.segments[segment][0]], b = domain.points[domain.segments[segment][1]];
-  const double length = distance(a, b);
-  const LocalSpacing<1> along = spacing_along(spacing, a, (b - a) / length);
-  PackingProblem<1> problem;
-  problem.bounds = Box<1>({0.0}, {length});
-  problem.fixed = {{{0.0}, along.at({0.0})}, {{length}, along.at({length})}};
-  for (const auto& k : kept) problem.fixed.push_back({{k.position}, along.at({k.position})});
-  problem.spacing = along;
-  problem.form = options.form;
-  problem.epsilon = options.epsilon;
-  problem.seed = hash_words(options.seed, 1, segment.value());
-  std::vector<double> positions;
-  for (const Ball<1>& s : pack_interior(problem, false, observer).spheres) positions.push_back(s.center[0]);
-  std::sort(positions.begin(), positions.end());
-  return positions;
-}
-
 template <int D>
 class BoundaryPacker {
-  using KeptCenter = typename KeptCenters<D>::OnSegment;
-
  public:
-  BoundaryPacker(const Domain<D>& domain, const Spacing<D>& spacing, Protection<D>& protection,
+  BoundaryPacker(const Spacing<D>& spacing, Protection<D>& protection, SegmentPacker<D>& segments,
                  const PackingOptions& options, const Observer& observer)
-      : domain_(domain),
+      : domain_(protection.domain()),
         given_(spacing),
         spacing_(spacing),
         protection_(protection),
+        segments_(segments),
         options_(options),
         observer_(observer) {}
 
-  BoundaryPacking<D> run() {
+  BoundaryPacking<D> run(std::span<const SpacingCap<D>> lowered) {
     protection_.begin_round();
-    choose_kept_on_segments();
+    segments_.pack(protection_, spacing_, lowered);
     add_points();
     add_segments();
-    settle();
-    find_intruders(0, 0);
+    lower_spacing([&](SphereId s) { return given_f_[s.value()]; });
+    find_intruders_on_segments();
+    if (!is_well()) return std::move(result_);
+    settle_radii();
     if constexpr (D == 3) {
-      if (!is_well()) return std::move(result_);
       const std::size_t n_spheres = packing().center.size(), n_balls = result_.balls.size();
       starts_.resize(domain_.facet_frame.size());
       add_kept_on_facets();
@@ -90,7 +52,7 @@ class BoundaryPacker {
       settle();
       add_books();
       add_facets();
-      if (result_.faults.empty()) find_intruders(n_spheres, n_balls);
+      if (result_.faults.empty()) find_intruders_beyond_segments(n_spheres, n_balls);
     }
     if (is_well()) find_overlaps();
     return std::move(result_);
@@ -103,13 +65,23 @@ class BoundaryPacker {
   /// Where ties made a sphere smaller than f, f itself becomes smaller: later steps rely on radii that are values of
   /// one Lipschitz function.
   void settle() {
+    if (lower_spacing([&](SphereId s) { return spacing_(packing().center[s]); })) settle_radii();
+  }
+
+  /// The caps for that. `f_at` is the f of spheres by now. False if there are none.
+  template <class At>
+  bool lower_spacing(const At& f_at) {
     const std::size_t n_tied = result_.tied.size();
     for (const SphereId s : ids(packing().center))
-      if (packing().radius[s] < spacing_(packing().center[s]) * (1 - kPackingSlack))
+      if (packing().radius[s] < f_at(s) * (1 - kPackingSlack))
         result_.tied.push_back(
             {packing().center[s], 0.0, packing().radius[s], std::array{packing().carrier[s], packing().carrier[s]}});
-    if (result_.tied.size() == n_tied) return;
+    if (result_.tied.size() == n_tied) return false;
     spacing_ = given_.with_caps(result_.tied);
+    return true;
+  }
+
+  void settle_radii() {
     parallel_for(packing().center.size(),
                  [&](std::size_t i) { packing().radius[SphereId(i)] = spacing_(packing().center[SphereId(i)]); });
   }
@@ -121,27 +93,13 @@ class BoundaryPacker {
   }
 
   void add_points() {
-    for (const PointId p : ids(domain_.points)) add(domain_.points[p], spacing_(domain_.points[p]), PolytopeId(p));
+    for (const PointId p : ids(domain_.points))
+      add_given(domain_.points[p], segments_.f_at(p), segments_.f_at(p), PolytopeId(p));
   }
 
-  /// Those that fit, where not all have to stay: along each segment what leaves room for the one before and the end.
-  void choose_kept_on_segments() {
-    for (const SegmentId s : ids(domain_.segments)) {
-      std::vector<KeptCenter> chosen(protection_.kept.on_segment(s).begin(), protection_.kept.on_segment(s).end());
-      if (!protection_.kept.all_stay()) {
-        const auto [a, b] = domain_.segments[s];
-        const double length = distance(domain_.points[a], domain_.points[b]), last = spacing_(domain_.points[b]);
-        double begin = 0, radius = spacing_(domain_.points[a]);
-        std::erase_if(chosen, [&](const KeptCenter& k) {
-          const double f = spacing_(k.center);
-          const bool fits = k.position - begin >= (radius + f) * (1 - kPackingSlack) &&
-                            length - k.position >= (f + last) * (1 - kPackingSlack);
-          if (fits) begin = k.position, radius = f;
-          return !fits;
-        });
-      }
-      kept_on_segment_.push_row(chosen);
-    }
+  SphereId add_given(const Vec<D>& center, double radius, double f, PolytopeId carrier) {
+    given_f_.push_back(f);
+    return add(center, radius, carrier);
   }
 
   /// Those that fit, where not all have to stay: what overlaps nothing, is in no protecting ball and keeps the far
@@ -174,30 +132,10 @@ class BoundaryPacker {
   }
 
   void add_segments() {
-    const std::vector<PackedStrand> strands = pack_strands(segment_strands(), segment_ties(), spacing_,
-                                                           D == 3 ? kTieJitter : 0.0, hash_words(options_.seed, 1));
     for (const SegmentId s : ids(domain_.segments)) {
       const auto [a, b] = domain_.segments[s];
-      const Vec<D> start = domain_.points[a], end = domain_.points[b];
-      const double length = distance(start, end);
-      const std::array<double, 2> rim = {protection_.corner_radius(a), protection_.corner_radius(b)};
       std::vector<SphereId> chain = {SphereId(a.value())};
-      const auto append_center = [&](const Vec<D>& x, double radius) {
-        chain.push_back(add(x, std::min(radius, spacing_(x)), PolytopeId(s)));
-      };
-      const auto append = [&](double t, double radius) {
-        append_center(point_between(start, end, t / length), radius);
-      };
-      const double unlimited = std::numeric_limits<double>::infinity();
-      const PackedStrand& strand = strands[s.value()];
-      if (rim[0] > 0) append(rim[0], unlimited);
-      for (std::size_t k = 0; k < strand.position.size(); ++k) {
-        if (strand.kept[k] >= 0)
-          append_center(kept_on_segment_[s][static_cast<std::size_t>(strand.kept[k])].center, strand.radius[k]);
-        else
-          append(rim[0] + strand.position[k], strand.radius[k]);
-      }
-      if (rim[1] > 0) append(length - rim[1], unlimited);
+      for (const auto& c : segments_.centers(s)) chain.push_back(add_given(c.position, c.radius, c.f, PolytopeId(s)));
       chain.push_back(SphereId(b.value()));
       fit_radii(chain);
       spheres_of_segment_.push_row(chain);
@@ -207,46 +145,6 @@ class BoundaryPacker {
         result_.balls.push_back({0.5 * (p + q), 0.5 * distance(p, q)});
       }
     }
-  }
-
-  /// The segments between the corners at their ends.
-  std::vector<Strand<D>> segment_strands() {
-    std::vector<Strand<D>> strands;
-    for (const SegmentId s : ids(domain_.segments)) {
-      const auto [a, b] = domain_.segments[s];
-      const Vec<D> start = domain_.points[a], end = domain_.points[b];
-      const double length = distance(start, end), first = protection_.corner_radius(a);
-      const double last = protection_.corner_radius(b);
-      Strand<D> strand;
-      strand.length = length - first - last;
-      strand.at = [=](double t) { return point_between(start, end, (first + t) / length); };
-      if (protection_.shaken.contains(s)) strand.jitter = kSegmentJitter;
-      for (const KeptCenter& k : kept_on_segment_[s]) strand.kept.push_back(k.position - first);
-      if (options_.form != PackingForm::kVoronoi && first == 0 && last == 0)
-        strand.positions = [this, s] {
-          return pack_segment(domain_, s, kept_on_segment_[s], spacing_, options_, observer_);
-        };
-      strands.push_back(std::move(strand));
-    }
-    return strands;
-  }
-
-  std::vector<Tie> segment_ties() {
-    std::vector<Tie> ties;
-    for (const auto& [p, groups] : protection_.fans.all())
-      for (const auto& segments : groups) {
-        Tie tie{{}, protection_.least_angle(p, segments), protection_.corner_radius(p)};
-        for (const SegmentId s : segments) {
-          double angle = std::numbers::pi;
-          for (const SegmentId t : segments)
-            if (t != s)
-              angle = std::min(
-                  angle, angle_between(protection_.incidence.direction(s, p), protection_.incidence.direction(t, p)));
-          tie.ends.push_back({s.value(), domain_.segments[s][1] == p, angle});
-        }
-        ties.push_back(std::move(tie));
-      }
-    return ties;
   }
 
   /// Makes the spheres of a chain small enough not to overlap the next ones, unless these are across a sharp feature.
@@ -261,13 +159,6 @@ class BoundaryPacker {
       r *= factor;
       s *= factor;
     }
-  }
-
-  /// Exact in every coordinate that both ends share.
-  static Vec<D> point_between(const Vec<D>& a, const Vec<D>& b, double t) {
-    Vec<D> x;
-    for (int k = 0; k < D; ++k) x[k] = a[k] == b[k] ? a[k] : (1 - t) * a[k] + t * b[k];
-    return x;
   }
 
   /// The triangles around corners, and the centers on their arcs.
@@ -434,21 +325,55 @@ class BoundaryPacker {
     return tied != tied_with_ball_.end() && std::ranges::count(tied->second, s) > 0;
   }
 
-  /// Faults where a center lies in a protecting ball or too near to one. Pairs of a sphere below `old_spheres` and a
-  /// ball below `old_balls` have been looked at before.
-  void find_intruders(std::size_t old_spheres, std::size_t old_balls) {
-    BallSet<D> set(domain_.box.center());
-    for (const Ball<D>& b : result_.balls) set.add(b);
+  /// Faults where a center lies in a protecting ball or too near to one. Pairs of which neither is new have been looked
+  /// at before.
+  template <class NewSphere, class NewBall>
+  void find_intruders(const NewSphere& is_new_sphere, const NewBall& is_new_ball) {
+    BallSet<D> all(domain_.box.center()), fresh(domain_.box.center());
+    std::vector<std::uint32_t> fresh_ball;
+    const double blur = absolute_tolerance(domain_.box, 0);
+    for (std::size_t b = 0; b < result_.balls.size(); ++b) {
+      const Ball<D> grown = grown_by_blur(result_.balls[b], blur);
+      all.add(grown);
+      if (!is_new_ball(b)) continue;
+      fresh.add(grown);
+      fresh_ball.push_back(static_cast<std::uint32_t>(b));
+    }
     const std::size_t n = packing().center.size();
     std::vector<std::vector<std::uint32_t>> hit(n);
-    parallel_for(n, [&](std::size_t s) {
-      set.visit_holding(packing().center[SphereId(s)], kBallMargin, [&](std::uint32_t b) {
-        if ((s >= old_spheres || b >= old_balls) && !is_corner(b, SphereId(s))) hit[s].push_back(b);
+    parallel_for(n, [&](std::size_t i) {
+      const SphereId s(i);
+      const auto take = [&](std::uint32_t b) {
+        if (!is_corner(b, s) && is_intruder(s, b)) hit[i].push_back(b);
         return false;
-      });
+      };
+      if (is_new_sphere(s))
+        all.visit_holding(packing().center[s], kBallMargin, take);
+      else
+        fresh.visit_holding(packing().center[s], kBallMargin, [&](std::uint32_t b) { return take(fresh_ball[b]); });
     });
     for (std::size_t s = 0; s < n; ++s)
       for (const std::uint32_t b : hit[s]) answer(SphereId(s), b);
+  }
+
+  /// Of a center in the ball as it is grown by blur.
+  [[nodiscard]] bool is_intruder(SphereId s, std::uint32_t ball) const {
+    const Vec<D>& x = result_.packing.center[s];
+    const auto& [center, radius] = result_.balls[ball];
+    return distance_sq(x, center) <= radius * radius * (1 + kBallMargin) || is_inside_ball(result_.packing, ball, x);
+  }
+
+  void find_intruders_on_segments() {
+    const auto is_new = [&](PolytopeId carrier) {
+      return carrier.dimension == 1 && segments_.is_new(SegmentId(carrier.index));
+    };
+    find_intruders([&](SphereId s) { return is_new(packing().carrier[s]); },
+                   [&](std::size_t b) { return is_new(packing().subsegments[b].carrier); });
+  }
+
+  /// On segments all is well.
+  void find_intruders_beyond_segments(std::size_t old_spheres, std::size_t old_balls) requires(D == 3) {
+    find_intruders([&](SphereId s) { return s.value() >= old_spheres; }, [&](std::size_t b) { return b >= old_balls; });
   }
 
   void answer(SphereId s, std::uint32_t ball) {
@@ -459,6 +384,9 @@ class BoundaryPacker {
                                  nearest_corner(ball, packing().center[s]),
                                  corner_of(s),
                                  corner_of_ball(ball)};
+    // Whatever the answer is, it has to be seen whether it has helped.
+    for (const PolytopeId p : {intrusion.carrier, intrusion.ball_carrier})
+      if (p.dimension == 1) segments_.pack_again(SegmentId(p.index));
     const auto cap = protection_.adapt(intrusion, spacing_);
     if (cap)
       result_.faults.push_back(*cap);
@@ -520,10 +448,11 @@ class BoundaryPacker {
   const Spacing<D>& given_;
   Spacing<D> spacing_;  ///< With what ties ask for.
   Protection<D>& protection_;
+  SegmentPacker<D>& segments_;
   const PackingOptions& options_;
   const Observer& observer_;
   BoundaryPacking<D> result_;
-  Csr<SegmentId, KeptCenter> kept_on_segment_;
+  std::vector<double> given_f_;  ///< By sphere on points and segments.
   Csr<SegmentId, SphereId> spheres_of_segment_;
   std::vector<FacetStart> starts_;                               ///< By facet.
   std::vector<std::unique_ptr<BookZone>> zones_;                 ///< Reserved areas refer to them.
@@ -534,12 +463,15 @@ class BoundaryPacker {
 }  // namespace
 
 template <int D>
-BoundaryPacking<D> pack_boundary(const Spacing<D>& spacing, Protection<D>& protection, const PackingOptions& options,
+BoundaryPacking<D> pack_boundary(const Spacing<D>& spacing, std::span<const SpacingCap<D>> lowered,
+                                 Protection<D>& protection, SegmentPacker<D>& segments, const PackingOptions& options,
                                  const Observer& observer) {
-  return BoundaryPacker<D>(protection.domain(), spacing, protection, options, observer).run();
+  return BoundaryPacker<D>(spacing, protection, segments, options, observer).run(lowered);
 }
 
-template BoundaryPacking<2> pack_boundary(const Spacing<2>&, Protection<2>&, const PackingOptions&, const Observer&);
-template BoundaryPacking<3> pack_boundary(const Spacing<3>&, Protection<3>&, const PackingOptions&, const Observer&);
+template BoundaryPacking<2> pack_boundary(const Spacing<2>&, std::span<const SpacingCap<2>>, Protection<2>&,
+                                          SegmentPacker<2>&, const PackingOptions&, const Observer&);
+template BoundaryPacking<3> pack_boundary(const Spacing<3>&, std::span<const SpacingCap<3>>, Protection<3>&,
+                                          SegmentPacker<3>&, const PackingOptions&, const Observer&);
 
 }  // namespace voropack

@@ -2,9 +2,13 @@
 // empty.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
+#include "geom/predicates.h"
 #include "packing/protection.h"
+#include "packing/segments.h"
 #include "spheres/packing_problem.h"
 #include "spheres/sphere_set.h"
 #include "voropack/domain.h"
@@ -22,10 +26,25 @@ struct BoundaryPacking {
   std::vector<SpacingCap<D>> tied;    ///< Where a center has less than f, because another page or segment has less.
 };
 
-/// Packs under what `protection` protects by now, and adds to it what fails.
+/// Packs under what `protection` protects by now, and adds to it what fails. `segments` has packed the segments of the
+/// round before, if there was one; since then f has got the caps `lowered`.
 template <int D>
-BoundaryPacking<D> pack_boundary(const Spacing<D>& spacing, Protection<D>& protection, const PackingOptions& options,
+BoundaryPacking<D> pack_boundary(const Spacing<D>& spacing, std::span<const SpacingCap<D>> lowered,
+                                 Protection<D>& protection, SegmentPacker<D>& segments, const PackingOptions& options,
                                  const Observer& observer);
+
+/// True if x is strictly inside the protecting ball of that number, as BoundaryPacking lists them. Exact.
+template <int D>
+bool is_inside_ball(const Packing<D>& packing, std::uint32_t ball, const Vec<D>& x) {
+  const auto corner = [&](SphereId s) { return packing.center[s]; };
+  if constexpr (D == 3)
+    if (ball >= packing.subsegments.size()) {
+      const auto& [a, b, c] = packing.subfacets[ball - packing.subsegments.size()].spheres;
+      return in_diametral_ball(corner(a), corner(b), corner(c), x) > 0;
+    }
+  const auto& [a, b] = packing.subsegments[ball].spheres;
+  return in_diametral_ball(corner(a), corner(b), x) > 0;
+}
 
 /// How much f shrinks where a protecting ball is not empty.
 inline constexpr double kRepairFactor = 0.7;

@@ -59,6 +59,10 @@ PackedFacet pack_facet(const Domain<3>& domain, const Incidence<3>& incidence, F
   for (const SphereId s : result.boundary)
     problem.fixed.push_back({frame.to_plane(packing.center[s]), packing.radius[s]});
 
+  const double blur = absolute_tolerance(domain.box, 0);
+  const auto forbid = [&](const Vec<2>& center, double radius) {
+    problem.balls.push_back(grown_by_blur<2>({center, radius}, blur));
+  };
   Walls<2> walls;
   for (const SegmentId s : domain.facet_segments[facet]) {
     const std::array<int, 2> sides = sides_of_segment(incidence, facet, s);
@@ -70,7 +74,7 @@ PackedFacet pack_facet(const Domain<3>& domain, const Incidence<3>& incidence, F
       const std::array<std::uint32_t, 2> ends = {local(chain[k]), local(chain[k + 1])};
       const Vec<2> a = problem.fixed[ends[0]].center, b = problem.fixed[ends[1]].center;
       problem.faces.push_back({ends, sides});
-      problem.balls.push_back({0.5 * (a + b), 0.5 * distance(a, b)});
+      forbid(0.5 * (a + b), 0.5 * distance(a, b));
     }
   }
   const WallLocator<2> locator(std::move(walls));
@@ -80,7 +84,7 @@ PackedFacet pack_facet(const Domain<3>& domain, const Incidence<3>& incidence, F
     std::array<Vec<2>, 3> corners;
     for (std::size_t i = 0; i < 3; ++i) corners[i] = problem.fixed[local(fan[i])].center;
     const Vec<2> c = fast_circumcenter(corners);
-    problem.balls.push_back({c, distance(c, corners[0])});
+    forbid(c, distance(c, corners[0]));
   }
   if (!start.reserved.empty()) problem.reserved = &start.reserved;
   problem.spacing = spacing_in_plane(spacing, frame);

@@ -56,7 +56,8 @@ PackingProblem<D> interior_problem(const Domain<D>& domain, const Spacing<D>& sp
   PackingProblem<D> problem;
   problem.bounds = domain.box;
   for (const SphereId s : ids(packing.center)) problem.fixed.push_back({packing.center[s], packing.radius[s]});
-  problem.balls = boundary.balls;
+  const double blur = absolute_tolerance(domain.box, 0);
+  for (const Ball<D>& ball : boundary.balls) problem.balls.push_back(grown_by_blur(ball, blur));
   problem.faces = protected_faces(domain, packing);
   problem.walls = &walls;
   problem.spacing = {[&spacing](const Vec<D>& x) { return spacing(x); },
@@ -123,9 +124,10 @@ bool is_covered(const SpacingCap<D>& a, const SpacingCap<D>& b, double lipschitz
 }
 
 /// Adds caps that shrink f further than those already there by more than a fifth, and drops those that no longer
-/// matter. Many balls fail in one place, and one cap mends them all.
+/// matter. Many balls fail in one place, and one cap mends them all. Returns what it has added.
 template <int D>
-void add_caps(std::vector<SpacingCap<D>>& caps, std::vector<SpacingCap<D>> more, double lipschitz) {
+std::vector<SpacingCap<D>> add_caps(std::vector<SpacingCap<D>>& caps, std::vector<SpacingCap<D>> more,
+                                    double lipschitz) {
   constexpr double kEnough = 1.25;
   std::stable_sort(more.begin(), more.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
   std::vector<SpacingCap<D>> added;
@@ -136,6 +138,7 @@ void add_caps(std::vector<SpacingCap<D>>& caps, std::vector<SpacingCap<D>> more,
     return std::any_of(added.begin(), added.end(), [&](const auto& b) { return is_covered(cap, b, lipschitz, 1); });
   });
   caps.insert(caps.end(), added.begin(), added.end());
+  return added;
 }
 
 /// The verify-and-adapt loop.
@@ -153,12 +156,14 @@ class AdaptivePacker {
 
   Packing<D> run() {
     budget_.check_ahead(spacing_);
+    SegmentPacker<D> segments(options_, observer_);
+    std::vector<SpacingCap<D>> lowered;  // By the round before.
     for (int round = 0; round <= options_.max_repairs; ++round) {
       observer_.check_cancelled();
       const Spacing<D> f = caps_.empty() ? spacing_ : spacing_.with_caps(caps_);
       if (round > 0 && !best_) budget_.check_again(f, n_boundary_);
       protection_.add_traces(f);
-      BoundaryPacking<D> boundary = pack_boundary(f, protection_, options_, observer_);
+      BoundaryPacking<D> boundary = pack_boundary<D>(f, lowered, protection_, segments, options_, observer_);
       n_boundary_ = boundary.packing.center.size();
       if (best_ && n_boundary_ > kMostGrowth * best_->n_boundary) break;
       name_given(boundary.faults, protection_.incidence);
@@ -168,7 +173,7 @@ class AdaptivePacker {
                     fmt::format("round {}: f shrinks at {} places; {} fans, {} books and {} corners are protected",
                                 round + 1, boundary.faults.size(), protection_.fans.all().size(),
                                 protection_.books.all().size(), protection_.corners.size()));
-      add_caps(caps_, std::move(boundary.faults), spacing_.lipschitz());
+      lowered = add_caps(caps_, std::move(boundary.faults), spacing_.lipschitz());
     }
     if (best_) return std::move(best_->packing);
     throw InternalError(
@@ -235,7 +240,8 @@ class AdaptivePacker {
     if (kept.empty()) return true;
     Packing<D>& packing = boundary.packing;
     BallSet<D> balls(protection_.domain().box.center());
-    for (const Ball<D>& b : boundary.balls) balls.add(b);
+    const double blur = absolute_tolerance(protection_.domain().box, 0);
+    for (const Ball<D>& b : boundary.balls) balls.add(grown_by_blur(b, blur));
     SphereSet<D> spheres(protection_.domain().box.center(), f.lipschitz(), packing.radius[SphereId(0)]);
     if (!kept.all_stay())
       for (const SphereId s : ids(packing.center)) spheres.add({packing.center[s], packing.radius[s]});
@@ -244,8 +250,9 @@ class AdaptivePacker {
     parallel_for(kept.inside().size(), [&](std::size_t i) {
       const Vec<D>& x = kept.inside()[i].center;
       radius[i] = f(x);
-      balls.visit_holding(x, kept.all_stay() ? -kBallMargin : kBallMargin, [&](std::uint32_t b) {
-        holding[i] = balls[b];
+      balls.visit_holding(x, kBallMargin, [&](std::uint32_t b) {
+        if (kept.all_stay() && !is_inside_ball(packing, b, x)) return false;
+        holding[i] = boundary.balls[b];
         return true;
       });
     });

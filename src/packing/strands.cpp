@@ -27,36 +27,32 @@ constexpr double kNextShell = 5.5;
 /// Strands whose lengths differ by less than this part of them end at the same distance.
 constexpr double kSameLength = 1e-9;
 
-template <int D>
-class StrandPacker {
- public:
-  StrandPacker(const std::vector<Strand<D>>& strands, const Spacing<D>& spacing, double jitter, std::uint64_t seed)
-      : strands_(strands),
-        spacing_(spacing),
-        jitter_(jitter),
-        seed_(seed),
-        shells_(strands.size()),
-        is_full_(strands.size()) {}
+}  // namespace
 
-  void tie(const std::vector<Tie>& ties) {
-    std::vector<std::array<double, 2>> wanted(strands_.size());  // 0: nothing ties it there.
-    // An end of a strand is in one tie at most.
-    parallel_for(
-        ties.size(),
-        [&](std::size_t i) {
-          const std::vector<double> reach = wanted_reach(ties[i]);
-          for (std::size_t m = 0; m < reach.size(); ++m)
-            wanted[ties[i].ends[m].strand][ties[i].ends[m].is_far ? 1 : 0] = reach[m];
-        },
-        1);
-    parallel_for(
-        ties.size(), [&](std::size_t i) { add_shells(ties[i], wanted); }, 1);
+template <int D>
+class StrandPacker<D>::Round {
+ public:
+  Round(StrandPacker& packer, const std::vector<Strand<D>>& strands, const Spacing<D>& spacing)
+      : strands_(strands), spacing_(spacing), jitter_(packer.jitter_), seed_(packer.seed_), ends_(packer.ends_) {}
+
+  void find_wanted(const Tie& tie) {
+    const std::vector<double> reach = wanted_reach(tie);
+    for (std::size_t m = 0; m < reach.size(); ++m) own(tie.ends[m]).wanted = reach[m];
+  }
+
+  void find_shells(const Tie& tie) {
+    for (const StrandEnd& e : tie.ends) {
+      own(e).shells.clear();
+      own(e).is_full = false;
+    }
+    add_shells(tie);
   }
 
   [[nodiscard]] PackedStrand pack(std::uint32_t index) const {
     const Strand<D>& strand = strands_[index];
-    std::array<std::vector<Shell>, 2> shells = shells_[index];
-    const bool is_free = shells[0].empty() && shells[1].empty() && is_full_[index] == 0;
+    std::array<std::vector<Shell>, 2> shells = {ends_[index][0].shells, ends_[index][1].shells};
+    const bool is_full = ends_[index][0].is_full || ends_[index][1].is_full;
+    const bool is_free = shells[0].empty() && shells[1].empty() && !is_full;
     if (is_free && strand.positions) return packed(index, given_places(strand), {});
     // Where two ties leave no room between them, the longer one gives way.
     const auto last = [](const std::vector<Shell>& s) { return s.empty() ? Shell{0, 0} : s.back(); };
@@ -65,12 +61,12 @@ class StrandPacker {
       const double room = strand.length - last(shells[0]).position - last(shells[1]).position;
       double needed = 0;
       for (std::size_t i = 0; i < 2; ++i) needed += shells[i].empty() ? at_end[i] : shells[i].back().radius;
-      if (room >= needed || is_full_[index] != 0) break;
+      if (room >= needed || is_full) break;
       shells[last(shells[0]).position >= last(shells[1]).position ? 0 : 1].pop_back();
     }
     const double begin = last(shells[0]).position, end = strand.length - last(shells[1]).position;
     std::vector<Shell> places = shells[0];
-    if (is_full_[index] == 0)
+    if (!is_full)
       for (const Shell& s : middle(index, shells, begin, end, {last(shells[0]).radius, last(shells[1]).radius}))
         places.push_back(s);
     for (auto s = shells[1].rbegin(); s != shells[1].rend(); ++s)
@@ -79,11 +75,10 @@ class StrandPacker {
   }
 
  private:
-  /// A center by its distance from an end. Radius -1: f.
-  struct Shell {
-    double position, radius;
-    int kept = -1;  ///< As in PackedStrand.
-  };
+  End& own(const StrandEnd& e) { return ends_[e.strand][e.is_far ? 1 : 0]; }
+  [[nodiscard]] const End& own(const StrandEnd& e) const { return ends_[e.strand][e.is_far ? 1 : 0]; }
+  /// Of the strand's other end.
+  [[nodiscard]] const End& other(const StrandEnd& e) const { return ends_[e.strand][e.is_far ? 0 : 1]; }
 
   [[nodiscard]] Vec<D> at(const StrandEnd& e, double t) const {
     const Strand<D>& s = strands_[e.strand];
@@ -179,25 +174,26 @@ class StrandPacker {
   }
 
   /// True if the strand is near to others up to its other end, where nothing ties it.
-  [[nodiscard]] bool is_near_throughout(const StrandEnd& e, const std::vector<std::array<double, 2>>& wanted) const {
-    return wanted[e.strand][e.is_far ? 0 : 1] == 0 && wanted[e.strand][e.is_far ? 1 : 0] >= length(e);
+  [[nodiscard]] bool is_near_throughout(const StrandEnd& e) const {
+    return other(e).wanted == 0 && own(e).wanted >= length(e);
   }
 
-  [[nodiscard]] Reach find_reach(const Tie& tie, const std::vector<std::array<double, 2>>& wanted) const {
+  [[nodiscard]] Reach find_reach(const Tie& tie) const {
     Reach reach;
     std::vector<double> allowed;
     for (const StrandEnd& e : tie.ends) {
-      const double own = wanted[e.strand][e.is_far ? 1 : 0], other = wanted[e.strand][e.is_far ? 0 : 1];
-      const double next = own == 0 ? 0 : std::min(length(e), own + kNextShell * half_step(e.strand, at(e, own)));
-      reach.own.push_back(own);
-      reach.most.push_back(other > 0 ? allowed_reach(length(e), next, other) : next);
-      allowed.push_back(std::min(own, reach.most.back()));
+      const double wanted = own(e).wanted, from_there = other(e).wanted;
+      const double next =
+          wanted == 0 ? 0 : std::min(length(e), wanted + kNextShell * half_step(e.strand, at(e, wanted)));
+      reach.own.push_back(wanted);
+      reach.most.push_back(from_there > 0 ? allowed_reach(length(e), next, from_there) : next);
+      allowed.push_back(std::min(wanted, reach.most.back()));
     }
     std::ranges::sort(allowed, std::greater<>());
     reach.end = allowed[1];
     for (std::size_t m = 0; m < tie.ends.size(); ++m) {
       const StrandEnd& e = tie.ends[m];
-      const bool is_last = wanted[e.strand][e.is_far ? 0 : 1] == 0 && !ends_at(e, reach.end, wanted);
+      const bool is_last = other(e).wanted == 0 && !ends_at(e, reach.end);
       if (is_last)
         reach.most[m] =
             std::min(reach.most[m], length(e) - kLeftover * spacing_(at(e, std::min(reach.most[m], reach.end))));
@@ -210,8 +206,8 @@ class StrandPacker {
   }
 
   /// True if the strand is tied to others all along, up to `end`, where it ends.
-  [[nodiscard]] bool ends_at(const StrandEnd& e, double end, const std::vector<std::array<double, 2>>& wanted) const {
-    return is_near_throughout(e, wanted) && std::abs(length(e) - end) <= kSameLength * length(e);
+  [[nodiscard]] bool ends_at(const StrandEnd& e, double end) const {
+    return is_near_throughout(e) && std::abs(length(e) - end) <= kSameLength * length(e);
   }
 
   /// Where a tie ends that should end at `end`: at kept centers that are too near for that.
@@ -260,18 +256,17 @@ class StrandPacker {
     return next;
   }
 
-  void add_shells(const Tie& tie, const std::vector<std::array<double, 2>>& wanted) {
-    Reach reach = find_reach(tie, wanted);
+  void add_shells(const Tie& tie) {
+    Reach reach = find_reach(tie);
     if (!(reach.end > 0)) return;
     const std::vector<Break> breaks = find_breaks(tie, reach);
-    const bool any_ends =
-        std::ranges::any_of(tie.ends, [&](const StrandEnd& e) { return ends_at(e, reach.end, wanted); });
+    const bool any_ends = std::ranges::any_of(tie.ends, [&](const StrandEnd& e) { return ends_at(e, reach.end); });
     if (!any_ends) reach.end = fitted_end(tie, reach, breaks);
     const std::vector<Break> common = common_distances(tie, reach, breaks);
     for (std::size_t m = 0; m < tie.ends.size(); ++m) {
       const StrandEnd& e = tie.ends[m];
-      const bool ends_here = ends_at(e, reach.end, wanted);
-      if (ends_here) is_full_[e.strand] = 1;
+      const bool ends_here = ends_at(e, reach.end);
+      if (ends_here) own(e).is_full = true;
       const double beyond = next_kept(e, std::min(reach.most[m], reach.end));
       for (std::size_t k = 0; k < common.size(); ++k) {
         const double t = common[k].position;
@@ -289,7 +284,7 @@ class StrandPacker {
     }
   }
 
-  void add_shell(const StrandEnd& e, const Shell& shell) { shells_[e.strand][e.is_far ? 1 : 0].push_back(shell); }
+  void add_shell(const StrandEnd& e, const Shell& shell) { own(e).shells.push_back(shell); }
 
   /// Two equal distances t leave room for moves of t^2 (1 - cos angle) / f.
   [[nodiscard]] Shell wobbled(const Tie& tie, const StrandEnd& e, std::size_t k, double t, double f) const {
@@ -371,23 +366,62 @@ class StrandPacker {
   const Spacing<D>& spacing_;
   double jitter_;
   std::uint64_t seed_;
-  std::vector<std::array<std::vector<Shell>, 2>> shells_;  ///< By strand and end: positions from that end.
-  std::vector<std::uint8_t> is_full_;                      ///< By strand: its shells reach from end to end.
+  std::vector<std::array<End, 2>>& ends_;
 };
 
-}  // namespace
+template <int D>
+void StrandPacker<D>::pack(const std::vector<Strand<D>>& strands, const std::vector<Tie>& ties,
+                           const Spacing<D>& spacing, std::vector<std::uint8_t>& is_new) {
+  ends_.resize(strands.size());
+  packed_.resize(strands.size());
+  const auto any_new = [&](const Tie& tie, const std::vector<std::uint8_t>& which) {
+    return std::ranges::any_of(tie.ends, [&](const StrandEnd& e) { return which[e.strand] != 0; });
+  };
+  // An end of a strand is in one tie at most.
+  std::vector<std::uint8_t> has_changed(ties.size());
+  for (std::size_t i = 0; i < ties.size(); ++i) {
+    const StrandEnd& first = ties[i].ends.front();
+    const int before = ends_[first.strand][first.is_far ? 1 : 0].tie;
+    has_changed[i] = before < 0 || any_new(ties[i], is_new) || !(ties[i] == ties_[static_cast<std::size_t>(before)]);
+  }
+  Round round(*this, strands, spacing);
+  const auto for_each_changed = [&](const auto& change) {
+    parallel_for(
+        ties.size(),
+        [&](std::size_t i) {
+          if (has_changed[i] != 0) change(ties[i]);
+        },
+        1);
+    for (std::size_t i = 0; i < ties.size(); ++i)
+      if (has_changed[i] != 0)
+        for (const StrandEnd& e : ties[i].ends) is_new[e.strand] = 1;
+  };
+  for_each_changed([&](const Tie& tie) { round.find_wanted(tie); });
+  // What a tie wants of a strand is of interest to the tie at the strand's other end.
+  for (std::size_t i = 0; i < ties.size(); ++i) has_changed[i] = any_new(ties[i], is_new);
+  for_each_changed([&](const Tie& tie) { round.find_shells(tie); });
+  parallel_for(
+      strands.size(),
+      [&](std::size_t i) {
+        if (is_new[i] != 0) packed_[i] = round.pack(static_cast<std::uint32_t>(i));
+      },
+      1);
+  ties_ = ties;
+  for (std::size_t i = 0; i < ties.size(); ++i)
+    for (const StrandEnd& e : ties[i].ends) ends_[e.strand][e.is_far ? 1 : 0].tie = static_cast<int>(i);
+}
 
 template <int D>
 std::vector<PackedStrand> pack_strands(const std::vector<Strand<D>>& strands, const std::vector<Tie>& ties,
                                        const Spacing<D>& spacing, double jitter, std::uint64_t seed) {
-  StrandPacker<D> packer(strands, spacing, jitter, seed);
-  packer.tie(ties);
-  std::vector<PackedStrand> result(strands.size());
-  parallel_for(
-      strands.size(), [&](std::size_t i) { result[i] = packer.pack(static_cast<std::uint32_t>(i)); }, 1);
-  return result;
+  StrandPacker<D> packer(jitter, seed);
+  std::vector<std::uint8_t> is_new(strands.size(), 1);
+  packer.pack(strands, ties, spacing, is_new);
+  return packer.packed();
 }
 
+template class StrandPacker<2>;
+template class StrandPacker<3>;
 template std::vector<PackedStrand> pack_strands(const std::vector<Strand<2>>&, const std::vector<Tie>&,
                                                 const Spacing<2>&, double, std::uint64_t);
 template std::vector<PackedStrand> pack_strands(const std::vector<Strand<3>>&, const std::vector<Tie>&,

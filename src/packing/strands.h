@@ -2,6 +2,7 @@
 // distances from a common end where the curves leave it at a small angle.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -30,6 +31,7 @@ struct StrandEnd {
   std::uint32_t strand = 0;
   bool is_far = false;  ///< The end at `length`.
   double angle = 0;     ///< The smallest with another strand of the tie, radians.
+  bool operator==(const StrandEnd&) const = default;
 };
 
 /// Strands that leave one point at small angles. Points at equal distances from it never encroach upon each other
@@ -39,6 +41,7 @@ struct Tie {
   std::vector<StrandEnd> ends;
   double angle = 0;  ///< Smallest angle between two of the strands, radians.
   double start = 0;  ///< The distance from the common point at which the strands begin.
+  bool operator==(const Tie&) const = default;
 };
 
 /// Centers inside a strand, ends excluded.
@@ -58,7 +61,44 @@ inline constexpr double kTieApart = 1.5;
 /// cocircular, and rounding would decide how they are triangulated. Small enough that nothing encroaches.
 inline constexpr double kTieJitter = 0.01;
 
-/// `jitter`: kTieJitter, or 0 for exact copies.
+/// Packs strands, and packs them again after some of them have changed, or f along them, or ties: the rest stays.
+template <int D>
+class StrandPacker {
+ public:
+  /// `jitter`: kTieJitter, or 0 for exact copies.
+  StrandPacker(double jitter, std::uint64_t seed) : jitter_(jitter), seed_(seed) {}
+
+  /// The strands and ties of the call before may have become more, and ties may have been joined; what else is
+  /// different, f included, is so only on strands that `is_new` names. It will name all that have been packed anew. The
+  /// result is that of a packer that begins with this call.
+  void pack(const std::vector<Strand<D>>& strands, const std::vector<Tie>& ties, const Spacing<D>& spacing,
+            std::vector<std::uint8_t>& is_new);
+
+  [[nodiscard]] const std::vector<PackedStrand>& packed() const { return packed_; }
+
+ private:
+  class Round;
+  /// A center by its distance from an end. Radius -1: f.
+  struct Shell {
+    double position, radius;
+    int kept = -1;  ///< As in PackedStrand.
+  };
+  /// What one end of a strand has got from the tie there.
+  struct End {
+    int tie = -1;               ///< -1: none.
+    double wanted = 0;          ///< How far the strand is nearer to others of the tie than it may be alone.
+    bool is_full = false;       ///< The shells reach to the other end.
+    std::vector<Shell> shells;  ///< Positions from this end.
+  };
+
+  double jitter_;
+  std::uint64_t seed_;
+  std::vector<Tie> ties_;
+  std::vector<std::array<End, 2>> ends_;  ///< By strand.
+  std::vector<PackedStrand> packed_;
+};
+
+/// All at once. `jitter` as above.
 template <int D>
 std::vector<PackedStrand> pack_strands(const std::vector<Strand<D>>& strands, const std::vector<Tie>& ties,
                                        const Spacing<D>& spacing, double jitter, std::uint64_t seed);

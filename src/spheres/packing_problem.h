@@ -91,6 +91,13 @@ BallSet<D> protecting_balls(const Domain<D>& domain, const Packing<D>& packing) 
   return balls;
 }
 
+/// The ball so much larger that a center outside of it and of its margin is outside of the ball itself, too, once the
+/// coordinates of both are rounded by `blur`. The same ball unless it is tiny or far from the origin.
+template <int K>
+Ball<K> grown_by_blur(const Ball<K>& ball, double blur) {
+  return {ball.center, ball.radius + std::max(0.0, 2 * blur - 0.5 * kBallMargin * ball.radius)};
+}
+
 template <int K>
 struct PackingProblem {
   Box<K> bounds;                          ///< Holds every region.

@@ -12,6 +12,7 @@
 #include "geom/circumcenter.h"
 #include "geom/polytope_distance.h"
 #include "support/cases.h"
+#include "support/curved_domains.h"
 #include "support/shared_data.h"
 #include "voropack/certificate.h"
 #include "voropack/coarsening.h"
@@ -115,56 +116,6 @@ void expect_laws(const Mesh<3>& fine, const std::vector<SimplifiedLevel<3>>& lev
   }
 }
 
-/// Rings of points around the z axis, closed by a point at each end, as triangles of one marker.
-void add_body_of_revolution(DomainInput<3>& input, const std::vector<std::array<double, 2>>& profile, double z_begin,
-                            double z_end, int marker) {
-  constexpr std::size_t kAround = 16;
-  const auto add = [&](const Vec<3>& x) {
-    input.points.push_back(x);
-    return static_cast<std::uint32_t>(input.points.size() - 1);
-  };
-  const std::uint32_t begin = add({0, 0, z_begin});
-  std::vector<std::vector<std::uint32_t>> rings;
-  for (const auto& [z, r] : profile) {
-    const double shift = rings.size() % 2 == 0 ? 0 : 0.5;
-    rings.emplace_back();
-    for (std::size_t k = 0; k < kAround; ++k) {
-      const double angle = 2 * std::numbers::pi * (static_cast<double>(k) + shift) / kAround;
-      rings.back().push_back(add({r * std::cos(angle), r * std::sin(angle), z}));
-    }
-  }
-  const std::uint32_t end = add({0, 0, z_end});
-  const auto facet = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    input.facets.push_back({{{a, b, c}}, {}, marker, std::nullopt});
-  };
-  for (std::size_t k = 0; k < kAround; ++k) {
-    const std::size_t next = (k + 1) % kAround;
-    facet(begin, rings.front()[next], rings.front()[k]);
-    facet(end, rings.back()[k], rings.back()[next]);
-    for (std::size_t i = 0; i + 1 < rings.size(); ++i) {
-      const auto &low = rings[i], &high = rings[i + 1];
-      if (i % 2 == 0) {
-        facet(low[k], low[next], high[k]);
-        facet(low[next], high[next], high[k]);
-      } else {
-        facet(low[k], high[next], high[k]);
-        facet(low[k], low[next], high[next]);
-      }
-    }
-  }
-}
-
-DomainInput<3> dumbbell() {
-  DomainInput<3> input;
-  std::vector<std::array<double, 2>> profile;
-  for (int i = 1; i < 24; ++i) {
-    const double z = -1.5 + 0.125 * i;
-    profile.push_back({z, std::max(0.2, std::sqrt(std::max(0.0, 0.25 - (std::abs(z) - 1) * (std::abs(z) - 1))))});
-  }
-  add_body_of_revolution(input, profile, -1.5, 1.5, 1);
-  return input;
-}
-
 DomainInput<3> ball_in_box() {
   DomainInput<3> input = d::box<3>({-1, -1, -1}, {1, 1, 1});
   std::vector<std::array<double, 2>> profile;
@@ -172,7 +123,7 @@ DomainInput<3> ball_in_box() {
     const double angle = std::numbers::pi * i / 8;
     profile.push_back({-0.6 * std::cos(angle), 0.6 * std::sin(angle)});
   }
-  add_body_of_revolution(input, profile, -0.6, 0.6, 17);
+  d::add_body_of_revolution(input, profile, -0.6, 0.6, 17);
   input.region_seeds = {{{0, 0, 0}, 1, std::nullopt}, {{0.9, 0.9, 0.9}, 2, std::nullopt}};
   return input;
 }
@@ -196,7 +147,7 @@ TEST(BeyondBoundaryInSpace, LevelsOfEveryDomainKeepTheLaws) {
 }
 
 TEST(BeyondBoundaryInSpace, ACurvedBoundaryIsSimplifiedAndItsNeckStays) {
-  const Mesh<3> fine = meshed(dumbbell(), 0.15);
+  const Mesh<3> fine = meshed(d::dumbbell(), 0.15);
   BeyondBoundaryOptions options;
   options.max_area_change = 0.2;
   const auto levels = coarsen_beyond_boundary(fine, options);
@@ -220,7 +171,7 @@ TEST(BeyondBoundaryInSpace, AnInterfaceStaysBetweenItsRegions) {
 }
 
 TEST(BeyondBoundaryInSpace, ASmallerVolumeChangeMovesTheBoundaryLess) {
-  const Mesh<3> fine = meshed(dumbbell(), 0.15);
+  const Mesh<3> fine = meshed(d::dumbbell(), 0.15);
   std::vector<std::size_t> sizes;
   for (const double change : {1e-6, 0.01, 0.2}) {
     BeyondBoundaryOptions options;
@@ -236,7 +187,7 @@ TEST(BeyondBoundaryInSpace, ASmallerVolumeChangeMovesTheBoundaryLess) {
 }
 
 TEST(BeyondBoundaryInSpace, MarkersAreJoinedOnlyIfAsked) {
-  DomainInput<3> input = dumbbell();
+  DomainInput<3> input = d::dumbbell();
   for (std::size_t f = 0; f < input.facets.size(); ++f) input.facets[f].marker = static_cast<int>(f) + 1;
   const Mesh<3> fine = meshed(input, 0.15);
   BeyondBoundaryOptions options;

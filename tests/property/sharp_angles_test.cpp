@@ -173,6 +173,16 @@ void expect_certified_anywhere(const Case<D>& c, std::uint64_t seed) {
   expect_certified(sharp::moved(c, seed + 3, 1, 1e6));
   expect_certified(sharp::renumbered(c, seed));
 }
+/// Where coordinates are rounded to 1e-10, as much as centers keep from protecting balls elsewhere; fine meshes have
+/// enough balls for that to show.
+TEST(SharpAngles3, ManyBallsFarFromTheOrigin) {
+  const Vec<3> low{1e6, 1e6, 1e6}, high{1e6 + 1, 1e6 + 1, 1e6 + 1};
+  for (const double size : {0.13, 0.1, 0.08}) {
+    MeshingOptions<3> options;
+    options.wishes.size = size;
+    expect_certified(sharp::make_case("far box", domains::box<3>(low, high), 1), options);
+  }
+}
 TEST(SharpAngles2, AnywhereAndInAnyOrder) {
   expect_certified_anywhere(sharp::fan(5, 5), 1);
   expect_certified_anywhere(sharp::sliver(5), 2);

@@ -216,5 +216,44 @@ TEST(Strands, StepsAreAtLeastAsLongAsAskedFor) {
   for (const double r : packed[0].radius) EXPECT_DOUBLE_EQ(r, 0.01);
 }
 
+/// f falls around one strand, a tie gets one more, another tie is new: round by round.
+TEST(Strands, PackedAgainAreAsPackedAtOnce) {
+  const Domain<2> domain = build_domain(domains::unit_square());
+  const Spacing<2> given = constant_spacing(domain, 0.01);
+  const Star star({0, 10, 20, 80, 170}, {0.4, 0.37, 0.31, 0.45, 0.35});
+  const auto tie_of = [&](std::vector<std::uint32_t> members, double angle_deg) {
+    Tie tie{{}, sharp::radians(angle_deg), 0};
+    for (const std::uint32_t m : members) tie.ends.push_back({m, false, sharp::radians(angle_deg)});
+    return tie;
+  };
+  const auto cap_at = [&](std::size_t strand, double t, double value) {
+    return SpacingCap<2>{star.strands[strand].at(t), 0.01, value};
+  };
+  struct Step {
+    std::vector<Tie> ties;
+    std::vector<SpacingCap<2>> caps;
+    std::vector<std::uint8_t> is_new, expected;
+  };
+  const Tie two = tie_of({0, 1}, 10), three = tie_of({0, 1, 2}, 10);
+  const SpacingCap<2> far = cap_at(4, 0.3, 0.006), near = cap_at(1, 0.2, 0.004);
+  const std::vector<Step> steps = {{{two}, {}, {1, 1, 1, 1, 1}, {1, 1, 1, 1, 1}},
+                                   {{two}, {}, {0, 0, 0, 0, 0}, {0, 0, 0, 0, 0}},
+                                   {{two}, {far}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 1}},
+                                   {{three}, {far}, {0, 0, 0, 0, 0}, {1, 1, 1, 0, 0}},
+                                   {{three}, {far, near}, {0, 1, 1, 0, 0}, {1, 1, 1, 0, 0}}};
+  StrandPacker<2> packer(kTieJitter, 1);
+  for (const Step& step : steps) {
+    const Spacing<2> spacing = given.with_caps(step.caps);
+    std::vector<std::uint8_t> is_new = step.is_new;
+    packer.pack(star.strands, step.ties, spacing, is_new);
+    EXPECT_EQ(is_new, step.expected);
+    const auto at_once = pack_strands<2>(star.strands, step.ties, spacing, kTieJitter, 1);
+    for (std::size_t i = 0; i < at_once.size(); ++i) {
+      EXPECT_EQ(packer.packed()[i].position, at_once[i].position) << i;
+      EXPECT_EQ(packer.packed()[i].radius, at_once[i].radius) << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace voropack
