@@ -200,7 +200,7 @@ bool SurfaceSimplifier::remove(std::uint32_t v) {
     if (p == q || are_adjacent(p, q) || !is_empty_ball(p, q, v, star_[v].empty())) return false;
     const bool is_first = distance_sq(point(p), point(v)) >= distance_sq(point(q), point(v));
     edge.curve = edges_[old[is_first ? 0 : 1]].curve;
-    edge.curve.ends = {std::min(p, q), std::max(p, q)};
+    edge.curve.ends = ends_of(p, q);
     edge.passengers = {v};
     for (const std::uint32_t e : old)
       edge.passengers.insert(edge.passengers.end(), edges_[e].passengers.begin(), edges_[e].passengers.end());
