@@ -6,6 +6,7 @@
 
 #include "adaptivity/cell_neighbors.h"
 #include "mesh/edge_graph.h"
+#include "solve/cell_index.h"
 #include "voropack/adaptivity.h"
 #include "voropack/error.h"
 #include "voropack/refinement.h"
@@ -92,14 +93,13 @@ Bends find_bends(const ControlVolumes<D>& volumes, const RecoveredDerivatives<D>
   const Csr<CellId, CellId> neighbors = cell_neighbors(cells_of_faces(volumes), n);
   const auto curvature = smoothed(neighbors, derivatives.curvature), third = smoothed(neighbors, derivatives.third);
   const std::size_t n_vertices = volumes.sites.size();
-  Bends bends{.volume = VertexValues(n_vertices, 0.0),
+  Bends bends{.volume = vertex_volumes(volumes),
               .curvature2 = VertexValues(n_vertices, 0.0),
               .third2 = VertexValues(n_vertices, 0.0),
               .ratio = VertexValues(n_vertices, 1.0)};
   VertexValues product(n_vertices, 0.0);
   for (const CellId c : ids(curvature)) {
     const VertexId v = volumes.cell_vertex[c];
-    bends.volume[v] += volumes.cell_volume[c];
     bends.curvature2[v] = std::max(bends.curvature2[v], curvature[c] * curvature[c]);
     bends.third2[v] = std::max(bends.third2[v], third[c] * third[c]);
     product[v] = std::max(product[v], curvature[c] * third[c]);
