@@ -12,10 +12,9 @@
 #include "geom/circumcenter.h"
 #include "geom/polytope_distance.h"
 #include "support/cases.h"
+#include "support/level_checks.h"
 #include "support/shared_data.h"
-#include "voropack/certificate.h"
 #include "voropack/coarsening.h"
-#include "voropack/dual.h"
 #include "voropack/io.h"
 #include "voropack/pipeline.h"
 
@@ -67,16 +66,6 @@ double vertex_distance(const Mesh<3>& from, const Mesh<3>& to) {
   return farthest;
 }
 
-void expect_certified(const SimplifiedLevel<3>& level) {
-  CertificateOptions claims;
-  if (level.epsilon > 0) {
-    claims.form = PackingForm::kMaximal;
-    claims.epsilon = level.epsilon;
-  }
-  const Certificate certificate = certify<3>(level.mesh, build_control_volumes(level.mesh), nullptr, claims);
-  for (const auto& check : certificate.checks) EXPECT_TRUE(check.ok) << check.name << ": " << check.where;
-}
-
 void expect_laws(const Mesh<3>& fine, const std::vector<SimplifiedLevel<3>>& levels,
                  const BeyondBoundaryOptions& options) {
   const std::map<int, double> fine_volumes = volumes_of(fine);
@@ -85,14 +74,9 @@ void expect_laws(const Mesh<3>& fine, const std::vector<SimplifiedLevel<3>>& lev
   for (const SimplifiedLevel<3>& level : levels) {
     SCOPED_TRACE(level.mesh.points.size());
     EXPECT_EQ(find_mesh_fault(level.mesh), "");
-    std::vector<std::uint8_t> seen(finer->points.size(), 0);
-    for (const VertexId v : ids(level.mesh.points)) {
-      EXPECT_EQ(level.mesh.points[v], fine.points[level.finest_vertex[v]]);
-      EXPECT_EQ(level.mesh.points[v], finer->points[level.finer_vertex[v]]);
-      EXPECT_EQ(seen[level.finer_vertex[v].value()]++, 0);
-    }
+    test::expect_nested(fine, *finer, level);
     EXPECT_LT(level.mesh.points.size(), finer->points.size());
-    expect_certified(level);
+    test::expect_certified<3>(level, nullptr);
     EXPECT_LE(level.area_change, options.max_area_change);
     const std::map<int, double> volumes = volumes_of(level.mesh);
     ASSERT_EQ(volumes.size(), fine_volumes.size());
@@ -177,16 +161,10 @@ DomainInput<3> ball_in_box() {
   return input;
 }
 
-Mesh<3> meshed(const DomainInput<3>& input, double size) {
-  MeshingOptions<3> options;
-  options.wishes.size = size;
-  return make_mesh(input, options).mesh;
-}
-
 TEST(BeyondBoundaryInSpace, LevelsOfEveryDomainKeepTheLaws) {
   for (const auto& one : test::all_cases<3>()) {
     SCOPED_TRACE(one.name);
-    const Mesh<3> fine = meshed(one.input, 0.25 * std::cbrt(one.measure));
+    const Mesh<3> fine = test::mesh_of(one.input, 0.25 * std::cbrt(one.measure));
     BeyondBoundaryOptions options;
     options.levels = 3;
     const auto levels = coarsen_beyond_boundary(fine, options);
@@ -196,7 +174,7 @@ TEST(BeyondBoundaryInSpace, LevelsOfEveryDomainKeepTheLaws) {
 }
 
 TEST(BeyondBoundaryInSpace, ACurvedBoundaryIsSimplifiedAndItsNeckStays) {
-  const Mesh<3> fine = meshed(dumbbell(), 0.15);
+  const Mesh<3> fine = test::mesh_of(dumbbell(), 0.15);
   BeyondBoundaryOptions options;
   options.max_area_change = 0.2;
   const auto levels = coarsen_beyond_boundary(fine, options);
@@ -209,7 +187,7 @@ TEST(BeyondBoundaryInSpace, ACurvedBoundaryIsSimplifiedAndItsNeckStays) {
 }
 
 TEST(BeyondBoundaryInSpace, AnInterfaceStaysBetweenItsRegions) {
-  const Mesh<3> fine = meshed(ball_in_box(), 0.2);
+  const Mesh<3> fine = test::mesh_of(ball_in_box(), 0.2);
   for (const double change : {0.02, 0.2}) {
     BeyondBoundaryOptions options;
     options.max_area_change = change;
@@ -220,7 +198,7 @@ TEST(BeyondBoundaryInSpace, AnInterfaceStaysBetweenItsRegions) {
 }
 
 TEST(BeyondBoundaryInSpace, ASmallerVolumeChangeMovesTheBoundaryLess) {
-  const Mesh<3> fine = meshed(dumbbell(), 0.15);
+  const Mesh<3> fine = test::mesh_of(dumbbell(), 0.15);
   std::vector<std::size_t> sizes;
   for (const double change : {1e-6, 0.01, 0.2}) {
     BeyondBoundaryOptions options;
@@ -238,7 +216,7 @@ TEST(BeyondBoundaryInSpace, ASmallerVolumeChangeMovesTheBoundaryLess) {
 TEST(BeyondBoundaryInSpace, MarkersAreJoinedOnlyIfAsked) {
   DomainInput<3> input = dumbbell();
   for (std::size_t f = 0; f < input.facets.size(); ++f) input.facets[f].marker = static_cast<int>(f) + 1;
-  const Mesh<3> fine = meshed(input, 0.15);
+  const Mesh<3> fine = test::mesh_of(input, 0.15);
   BeyondBoundaryOptions options;
   options.max_area_change = 0.2;
   options.levels = 2;
@@ -254,7 +232,7 @@ TEST(BeyondBoundaryInSpace, MarkersAreJoinedOnlyIfAsked) {
 }
 
 TEST(BeyondBoundaryInSpace, CreasesStayIfTheyAreFeatures) {
-  const Mesh<3> fine = meshed(d::box_with_through_hole(), 0.5);
+  const Mesh<3> fine = test::mesh_of(d::box_with_through_hole(), 0.5);
   BeyondBoundaryOptions options;
   options.merge_markers = true;
   options.feature_angle_deg = 60;
@@ -267,7 +245,7 @@ TEST(BeyondBoundaryInSpace, CreasesStayIfTheyAreFeatures) {
 }
 
 TEST(BeyondBoundaryInSpace, ThreadsDoNotMatter) {
-  const Mesh<3> fine = meshed(ball_in_box(), 0.25);
+  const Mesh<3> fine = test::mesh_of(ball_in_box(), 0.25);
   BeyondBoundaryOptions options;
   options.max_area_change = 0.1;
   std::vector<SimplifiedLevel<3>> one, two;
@@ -302,7 +280,7 @@ TEST(BeyondBoundaryInSpace, NothingHasNoLevels) { EXPECT_TRUE(coarsen_beyond_bou
 TEST(BeyondBoundaryInSpace, NumbersOfVerticesAreRefused) {
   BeyondBoundaryOptions options;
   options.target_vertices = {100};
-  EXPECT_THROW(coarsen_beyond_boundary(meshed(d::unit_box<3>(), 0.5), options), OptionError);
+  EXPECT_THROW(coarsen_beyond_boundary(test::mesh_of(d::unit_box<3>(), 0.5), options), OptionError);
 }
 
 /// Of the dual face of ab in the simplex abpq, with the sign that the certificate measures.
