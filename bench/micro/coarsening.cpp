@@ -4,13 +4,13 @@
 // Usage: coarsening DIMENSION [n_vertices = 100000] [levels = 5] [growth = 2] [threads = 0] [runs = 3] [random = 0]
 // With random = 1 the fine mesh is a random packing, with 0 one with a lattice inside, as `voropack mesh` makes it.
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <cmath>
 #include <cstdlib>
 
 #include "base/parallel.h"
 #include "clock.h"
+#include "process_memory.h"
 #include "support/domains.h"
 #include "voropack/coarsening.h"
 #include "voropack/delaunay.h"
@@ -73,9 +73,7 @@ void run(const Settings& settings) {
 }  // namespace voropack
 
 int main(int argc, char** argv) {
-  // As the program does: freed memory is kept for what comes next.
-  mallopt(M_MMAP_MAX, 0);
-  mallopt(M_TRIM_THRESHOLD, -1);
+  voropack::bench::keep_freed_memory();
   const auto number = [&](int i, double otherwise) { return argc > i ? std::atof(argv[i]) : otherwise; };
   voropack::Settings settings;
   settings.n_vertices = number(2, 1e5);

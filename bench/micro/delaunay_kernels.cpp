@@ -5,7 +5,6 @@
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,6 +21,7 @@
 #include "base/random.h"
 #include "geom/bowyer_watson.h"
 #include "geom/hilbert.h"
+#include "process_memory.h"
 #include "support/point_sets.h"
 
 namespace voropack {
@@ -34,12 +34,6 @@ double processor_seconds() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-double peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
 using test::random_point;
@@ -89,7 +83,7 @@ void measure(std::string_view kernel, std::size_t n, int repetitions, const std:
     waitpid(child, nullptr, 0);
     return;
   }
-  const double bytes = peak_bytes();
+  const double bytes = bench::peak_bytes();
   double best = 1e300;
   std::size_t n_simplices = 0;
   double added = 0;
@@ -97,7 +91,7 @@ void measure(std::string_view kernel, std::size_t n, int repetitions, const std:
     const double start = processor_seconds();
     n_simplices = work();
     best = std::min(best, processor_seconds() - start);
-    if (r == 0) added = peak_bytes() - bytes;
+    if (r == 0) added = bench::peak_bytes() - bytes;
   }
   fmt::print("  {:<14}{:>8.0f} ns/point{:>8.0f} B/point{:>8.3f} simplices/point\n", kernel,
              1e9 * best / static_cast<double>(n), added / static_cast<double>(n),

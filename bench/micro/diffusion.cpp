@@ -3,8 +3,6 @@
 //
 // Usage: diffusion [n_vertices = 100000] [repetitions = 5]
 #include <fmt/format.h>
-#include <malloc.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +14,7 @@
 #include <numbers>
 #include <vector>
 
+#include "process_memory.h"
 #include "support/domains.h"
 #include "voropack/coarsening.h"
 #include "voropack/diffusion.h"
@@ -24,12 +23,6 @@
 
 namespace voropack {
 namespace {
-
-double peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
 
 /// The median time of some runs, in seconds.
 double median_seconds(int repetitions, const std::function<void()>& work) {
@@ -73,7 +66,7 @@ void run(double n_vertices, int repetitions) {
   for (const int marker : boundary.patch_marker) problem.conditions[marker] = Dirichlet<3>{harmonic};
 
   const LinearSystem system = assemble(result.volumes, boundary, problem);
-  const double before = peak_bytes();
+  const double before = bench::peak_bytes();
   std::vector<double> x(system.matrix.size(), 1.0), y(x.size());
   const double product = median_seconds(10 * repetitions, [&] { multiply(system.matrix, x, y); });
   const double assembly = median_seconds(repetitions, [&] { assemble(result.volumes, boundary, problem); });
@@ -96,16 +89,14 @@ void run(double n_vertices, int repetitions) {
                balance.throughput);
   }
   fmt::print("memory: {:.0f} MB with mesh, volumes and one matrix, {:.0f} MB at peak\n", before / 1e6,
-             peak_bytes() / 1e6);
+             bench::peak_bytes() / 1e6);
 }
 
 }  // namespace
 }  // namespace voropack
 
 int main(int argc, char** argv) {
-  // As the program does: freed memory is kept for what comes next.
-  mallopt(M_MMAP_MAX, 0);
-  mallopt(M_TRIM_THRESHOLD, -1);
+  voropack::bench::keep_freed_memory();
   const double n_vertices = argc > 1 ? std::atof(argv[1]) : 1e5;
   const int repetitions = argc > 2 ? std::max(1, std::atoi(argv[2])) : 5;
   voropack::run(n_vertices, repetitions);

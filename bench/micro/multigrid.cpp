@@ -7,7 +7,6 @@
 // With a right conductivity other than 1 the box has two materials. With only = 1 nothing is run but control volumes
 // with symmetric Gauss-Seidel.
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +17,7 @@
 
 #include "base/parallel.h"
 #include "clock.h"
+#include "process_memory.h"
 #include "support/domains.h"
 #include "voropack/coarsening.h"
 #include "voropack/diffusion.h"
@@ -179,9 +179,7 @@ void run(const Settings& settings) {
 }  // namespace voropack
 
 int main(int argc, char** argv) {
-  // As the program does: freed memory is kept for what comes next.
-  mallopt(M_MMAP_MAX, 0);
-  mallopt(M_TRIM_THRESHOLD, -1);
+  voropack::bench::keep_freed_memory();
   const auto number = [&](int i, double otherwise) { return argc > i ? std::atof(argv[i]) : otherwise; };
   const voropack::Settings settings{.n_vertices = number(2, 1e5),
                                     .growth = number(3, 2.5),

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <map>
-#include <utility>
 #include <variant>
-#include <vector>
 
 #include "adaptivity/cell_neighbors.h"
 #include "adaptivity/symmetric.h"
+#include "mesh/faces.h"
+#include "mesh/vertex_set_table.h"
 #include "norms/dual_face_parts.h"
 #include "solve/cell_index.h"
 
@@ -63,6 +64,13 @@ double value_at(const BoundaryValue<D>& given, const Vec<D>& x) {
   return constant != nullptr ? *constant : std::get<1>(given)(x);
 }
 
+/// The polynomial of second degree at the site of a cell.
+template <int D>
+double solution_near(const SolvedProblem<D>& solved, CellId c, const Vec<D>& from_site) {
+  return solved.values[solved.volumes.cell_vertex[c]] + dot(solved.derivatives.gradient[c], from_site) +
+         0.5 * dot(from_site, times<D>(solved.derivatives.hessian[c], from_site));
+}
+
 template <int D>
 class Integrator {
  public:
@@ -91,54 +99,37 @@ class Integrator {
     const auto& conditions = solved_.problem.conditions;
     const auto is_fixed = [](const auto& entry) { return std::holds_alternative<Dirichlet<D>>(entry.second); };
     if (std::all_of(conditions.begin(), conditions.end(), is_fixed)) return;
-    const std::vector<HullFace> hull = hull_faces();
-    for (const BoundaryId b : ids(solved_.mesh.boundary_vertices)) {
+    const IdVector<BoundaryId, SimplexId> simplices = hull_simplices();
+    for (const BoundaryId b : ids(simplices)) {
       const auto condition = conditions.find(solved_.mesh.boundary_marker[b]);
-      if (condition == conditions.end()) continue;
-      const FaceKey key = sorted(solved_.mesh.boundary_vertices[b]);
-      const auto face = std::ranges::lower_bound(hull, key, {}, &HullFace::key);
-      if (face == hull.end() || face->key != key) continue;
-      if (const auto* robin = std::get_if<Robin<D>>(&condition->second))
-        add_patch(
-            *face,
-            [&](const Vec<D>& x, double u) {
-              return value_at<D>(robin->transfer, x) * (value_at<D>(robin->outside, x) - u);
-            },
-            errors);
+      if (condition == conditions.end() || simplices[b].is_none()) continue;
+      const auto* const robin = std::get_if<Robin<D>>(&condition->second);
+      if (robin == nullptr) continue;
+      Face face = solved_.mesh.boundary_vertices[b];
+      sort_vertices(face);  // The same sums in whatever order the mesh lists its vertices.
+      const auto inflow = [&](const Vec<D>& x, double u) {
+        return value_at<D>(robin->transfer, x) * (value_at<D>(robin->outside, x) - u);
+      };
+      add_patch(face, solved_.mesh.simplex_region[simplices[b]], inflow, errors);
     }
   }
 
  private:
-  using FaceKey = std::array<VertexId, D>;
-  struct HullFace {
-    FaceKey key;
-    int region;
-  };
+  using Face = std::array<VertexId, D>;
 
-  static FaceKey sorted(FaceKey key) {
-    std::ranges::sort(key);
-    return key;
-  }
-
-  /// Sorted by their vertices.
-  [[nodiscard]] std::vector<HullFace> hull_faces() const {
-    std::vector<HullFace> hull;
+  /// [n_boundary] the simplex at each boundary face, if that is on the hull.
+  [[nodiscard]] IdVector<BoundaryId, SimplexId> hull_simplices() const {
     const Mesh<D>& mesh = solved_.mesh;
+    VertexSetTable<D> listed(mesh.boundary_vertices.size());
+    for (const BoundaryId b : ids(mesh.boundary_vertices)) listed.insert(mesh.boundary_vertices[b], b.value());
+    IdVector<BoundaryId, SimplexId> simplices(mesh.boundary_vertices.size());
     for (const SimplexId s : ids(mesh.simplex_vertices))
-      for (std::size_t i = 0; i <= D; ++i) {
-        if (!mesh.simplex_neighbors[s][i].is_none()) continue;
-        FaceKey key;
-        for (std::size_t k = 0; k < D; ++k) key[k] = mesh.simplex_vertices[s][(i + 1 + k) % (D + 1)];
-        hull.push_back({sorted(key), mesh.simplex_region[s]});
+      for (int i = 0; i <= D; ++i) {
+        if (!mesh.simplex_neighbors[s][static_cast<std::size_t>(i)].is_none()) continue;
+        const std::uint32_t b = listed.find(face_vertices(mesh, s, i));
+        if (b != VertexSetTable<D>::kAbsent) simplices[BoundaryId(b)] = s;
       }
-    std::ranges::sort(hull, {}, &HullFace::key);
-    return hull;
-  }
-
-  /// The solution near the site of a cell.
-  [[nodiscard]] double solution(CellId c, const Vec<D>& from_site) const {
-    return solved_.values[solved_.volumes.cell_vertex[c]] + dot(solved_.derivatives.gradient[c], from_site) +
-           0.5 * dot(from_site, times<D>(solved_.derivatives.hessian[c], from_site));
+    return simplices;
   }
 
   /// By corner: over the pyramids between the site and the parts of its dual faces.
@@ -161,7 +152,7 @@ class Integrator {
             const double volume = part.measure * distance(p[a], p[b]) / (2 * D);
             const double at_site = density(p[k], region, solved_.values[v], v);
             result[k] += volume * mean_over_simplex<D>(pyramid, [&](const Vec<D>& x) {
-                           return density(x, region, solution(c, x - p[k]), v) - at_site;
+                           return density(x, region, solution_near(solved_, c, x - p[k]), v) - at_site;
                          });
           }
     return result;
@@ -169,14 +160,15 @@ class Integrator {
 
   /// What `inflow` is at the site, less its mean over the site's part of a boundary face, times the area.
   template <class Inflow>
-  void add_patch(const HullFace& face, const Inflow& inflow, IdVector<CellId, double>& errors) const {
+  void add_patch(const Face& face, int region, const Inflow& inflow, IdVector<CellId, double>& errors) const {
     std::array<Vec<D>, D> x;
-    for (std::size_t i = 0; i < D; ++i) x[i] = solved_.mesh.points[face.key[i]];
+    for (std::size_t i = 0; i < D; ++i) x[i] = solved_.mesh.points[face[i]];
     const auto add = [&](std::size_t a, const std::array<Vec<D>, D>& part, double area) {
-      const CellId c = cell_(face.key[a], face.region);
-      const double at_site = inflow(x[a], solved_.values[face.key[a]]);
-      errors[c] -= area * mean_over_simplex<D>(
-                              part, [&](const Vec<D>& y) { return inflow(y, solution(c, y - x[a])) - at_site; });
+      const CellId c = cell_(face[a], region);
+      const double at_site = inflow(x[a], solved_.values[face[a]]);
+      errors[c] -= area * mean_over_simplex<D>(part, [&](const Vec<D>& y) {
+                     return inflow(y, solution_near(solved_, c, y - x[a])) - at_site;
+                   });
     };
     if constexpr (D == 2) {
       for (std::size_t a = 0; a < 2; ++a) add(a, {x[a], 0.5 * (x[0] + x[1])}, 0.5 * distance(x[0], x[1]));
@@ -234,9 +226,7 @@ void add_conductivity_defects(const SolvedProblem<D>& solved, EdgeValues& defect
   };
   const CellIndex cell(volumes);
   const auto u_near = [&](CellId c, const Vec<D>& x) {
-    const Vec<D> to = x - volumes.sites[volumes.cell_vertex[c]];
-    return values[volumes.cell_vertex[c]] + dot(derivatives.gradient[c], to) +
-           0.5 * dot(to, times<D>(derivatives.hessian[c], to));
+    return solution_near(solved, c, x - volumes.sites[volumes.cell_vertex[c]]);
   };
   const auto moments = mean_over_dual_faces<WeightedMoments<D>>(
       mesh, volumes,

@@ -11,6 +11,7 @@
 #include "adaptivity/symmetric.h"
 #include "norms/dual_face_parts.h"
 #include "solve/assemble.h"
+#include "solve/cell_index.h"
 #include "solve/coefficients.h"
 #include "solve/floating_parts.h"
 #include "voropack/adaptivity.h"
@@ -127,8 +128,7 @@ ErrorEstimate estimate_error(const Mesh<D>& mesh, const ControlVolumes<D>& volum
   const CellTerms terms = error_terms(solved, boundary, result.defect);
   LinearSystem system = assemble_terms(volumes, boundary, terms);
   if (!terms.source_slope.empty() || !terms.coupling_slope.empty()) differentiate_terms(volumes, terms, values, system);
-  VertexValues volume(volumes.sites.size(), 0.0);
-  for (const CellId c : ids(volumes.cell_volume)) volume[volumes.cell_vertex[c]] += volumes.cell_volume[c];
+  const VertexValues volume = vertex_volumes(volumes);
   const std::optional<double> mean = problem.mean ? std::optional(0.0) : std::nullopt;
   const auto parts = ground_floating_parts(
       volume, [](const std::vector<VertexId>&) { return std::set<int>{}; }, mean, system);

@@ -6,6 +6,7 @@
 
 #include "adaptivity/cell_neighbors.h"
 #include "mesh/edge_graph.h"
+#include "solve/cell_index.h"
 #include "voropack/adaptivity.h"
 #include "voropack/error.h"
 #include "voropack/refinement.h"
@@ -32,6 +33,12 @@ template <int D>
 constexpr bool kGrowsInSteps = D == 3;
 /// Halvings of the interval that holds the factor k.
 constexpr int kBisections = 60;
+/// Paths along edges are longer than straight lines, by up to 1.998 in the plane: values that differ by half of what is
+/// Lipschitz along edges do so across them as well, in practice in space, too.
+constexpr double kEdgeSlope = 0.5;
+/// Packings of the same spacing differ by some percent.
+constexpr double kCountTolerance = 0.05;
+constexpr int kCountTrials = 5;
 
 /// [n_cells] the mean over each cell and its neighbors, so many times.
 IdVector<CellId, double> smoothed(const Csr<CellId, CellId>& neighbors, IdVector<CellId, double> x) {
@@ -92,14 +99,13 @@ Bends find_bends(const ControlVolumes<D>& volumes, const RecoveredDerivatives<D>
   const Csr<CellId, CellId> neighbors = cell_neighbors(cells_of_faces(volumes), n);
   const auto curvature = smoothed(neighbors, derivatives.curvature), third = smoothed(neighbors, derivatives.third);
   const std::size_t n_vertices = volumes.sites.size();
-  Bends bends{.volume = VertexValues(n_vertices, 0.0),
+  Bends bends{.volume = vertex_volumes(volumes),
               .curvature2 = VertexValues(n_vertices, 0.0),
               .third2 = VertexValues(n_vertices, 0.0),
               .ratio = VertexValues(n_vertices, 1.0)};
   VertexValues product(n_vertices, 0.0);
   for (const CellId c : ids(curvature)) {
     const VertexId v = volumes.cell_vertex[c];
-    bends.volume[v] += volumes.cell_volume[c];
     bends.curvature2[v] = std::max(bends.curvature2[v], curvature[c] * curvature[c]);
     bends.third2[v] = std::max(bends.third2[v], third[c] * third[c]);
     product[v] = std::max(product[v], curvature[c] * third[c]);
@@ -113,11 +119,9 @@ Bends find_bends(const ControlVolumes<D>& volumes, const RecoveredDerivatives<D>
   return bends;
 }
 
-}  // namespace
-
 template <int D>
-VertexValues target_spacing(const ControlVolumes<D>& volumes, const RecoveredDerivatives<D>& derivatives,
-                            const IdVector<VertexId, double>& spacing, const TargetOptions& options) {
+void check_input(const ControlVolumes<D>& volumes, const RecoveredDerivatives<D>& derivatives,
+                 const IdVector<VertexId, double>& spacing, const TargetOptions& options) {
   if (!(options.n_vertices > 0 && options.least_factor > 0 && options.least_factor <= options.largest_factor))
     throw OptionError(Fault{.id = "adapt.bad_option",
                             .message = fmt::format("{} vertices are wanted, with factors of the spacing from {} to {}",
@@ -131,7 +135,11 @@ VertexValues target_spacing(const ControlVolumes<D>& volumes, const RecoveredDer
                                                   spacing.size(), derivatives.curvature.size(), volumes.sites.size(),
                                                   volumes.cell_vertex.size()),
                            .fix = "give one spacing for each vertex, and derivatives recovered on the same mesh"});
-  const Bends bends = find_bends(volumes, derivatives);
+}
+
+/// `target_spacing` of a solution that bends like that.
+template <int D>
+VertexValues spacing_for(const Bends& bends, const IdVector<VertexId, double>& spacing, const TargetOptions& options) {
   double first_step = kFirstStep<D>;
   const auto at = [&](VertexId v, double k) {
     return std::clamp(k * stepped<D>(bends.ratio[v], first_step), options.least_factor * spacing[v],
@@ -157,16 +165,14 @@ VertexValues target_spacing(const ControlVolumes<D>& volumes, const RecoveredDer
   return result;
 }
 
-namespace {
-
-/// Paths along edges are longer than straight lines, by up to 1.998 in the plane: values that differ by half of what is
-/// Lipschitz along edges do so across them as well, in practice in space, too.
-constexpr double kEdgeSlope = 0.5;
-/// Packings of the same spacing differ by some percent.
-constexpr double kCountTolerance = 0.05;
-constexpr int kCountTrials = 5;
-
 }  // namespace
+
+template <int D>
+VertexValues target_spacing(const ControlVolumes<D>& volumes, const RecoveredDerivatives<D>& derivatives,
+                            const IdVector<VertexId, double>& spacing, const TargetOptions& options) {
+  check_input(volumes, derivatives, spacing, options);
+  return spacing_for<D>(find_bends(volumes, derivatives), spacing, options);
+}
 
 template <int D>
 Spacing<D> adapted_spacing(const Mesh<D>& mesh, const Domain<D>& domain, const ControlVolumes<D>& volumes,
@@ -175,10 +181,12 @@ Spacing<D> adapted_spacing(const Mesh<D>& mesh, const Domain<D>& domain, const C
                            const PackingOptions& packing, Observer& observer) {
   const IdVector<VertexId, double> before = spacing_at_vertices(mesh, spacing_options.gradation);
   const EdgeGraph edges = build_edge_graph(mesh);
+  check_input(volumes, derivatives, before, options);
+  const Bends bends = find_bends(volumes, derivatives);
   TargetOptions target = options;
   double last = 0;
   for (int trial = 1;; ++trial) {
-    VertexValues f = target_spacing(volumes, derivatives, before, target);
+    VertexValues f = spacing_for<D>(bends, before, target);
     make_lipschitz(edges, kEdgeSlope * spacing_options.gradation, f);
     Spacing<D> spacing = spacing_through(mesh, domain, std::move(f), wishes, spacing_options, observer);
     const double excess = estimate_sphere_count(domain, spacing, packing) / options.n_vertices;

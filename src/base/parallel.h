@@ -33,6 +33,9 @@ void run_with_threads(int n_threads, Fn&& fn) {
   edges.join();
 }
 
+/// Whether no other thread takes part in loops that are begun here. Then they can do without what keeps threads apart.
+inline bool is_single_threaded() { return tbb::this_task_arena::max_concurrency() == 1; }
+
 /// fn(i) for i in [0, n), in parallel.
 template <class Fn>
 void parallel_for(std::size_t n, Fn&& fn, std::size_t grain = 1024) {

@@ -27,8 +27,6 @@ namespace {
 constexpr int kMaxRounds = 60;
 /// The same with a boundary that has no finer vertices to fall back to.
 constexpr int kMaxOwnRounds = 20;
-/// A level with more than this part of the vertices of the next finer one is none.
-constexpr double kLeastGain = 0.95;
 constexpr double kMaxGrowth = 1e6;  ///< More changes nothing: f is what its Lipschitz condition and the domain allow.
 constexpr int kBisections = 14;     ///< Growth to about 0.1 %.
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "geom/circumcenter.h"
+#include "packing/stretched.h"
 
 namespace voropack {
 
@@ -14,8 +15,6 @@ namespace {
 constexpr double kEpsilonSlack = 1e-9;  // Whoever measures again rounds otherwise.
 /// The least one of a packing that is not maximal at every circumcenter, whatever E that takes.
 constexpr double kLeastEpsilon = 1e-6;
-/// Radius-edge ratios that Voronoi-maximal packings keep (docs/theory/certificate.md).
-constexpr double kMaximalRadiusEdge = 2.5;
 
 }  // namespace
 
@@ -38,7 +37,7 @@ double measured_epsilon(const Mesh<D>& mesh) {
       largest = std::max(largest, mesh.vertex_spacing[c[i]]);
       for (std::size_t j = 0; j < i; ++j) shortest = std::min(shortest, distance(x[i], x[j]));
     }
-    if (radius > f + largest || radius > kMaximalRadiusEdge * shortest) epsilon = std::max(epsilon, kLeastEpsilon);
+    if (radius > f + largest || radius > kRadiusEdge * shortest) epsilon = std::max(epsilon, kLeastEpsilon);
     epsilon = std::max(epsilon, (radius * (1 - slope) / f - 2) / (1 + slope));
   }
   return epsilon > 0 ? epsilon * (1 + kEpsilonSlack) : 0;

@@ -300,7 +300,7 @@ class LevelPacker {
   /// thread alone does not look at a vertex twice.
   void find_candidates(std::size_t begin, std::size_t end, std::uint8_t* may_join) const {
     constexpr std::size_t kGroup = FineMesh<D>::kGroup;
-    const bool is_alone = tbb::this_task_arena::max_concurrency() == 1;
+    const bool is_alone = is_single_threaded();
     std::uint32_t hint = 0;
     for (std::size_t first = begin; first < end; first += kGroup) {
       const std::size_t last = std::min(first + kGroup, end);

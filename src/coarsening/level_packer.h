@@ -8,6 +8,9 @@
 
 namespace voropack {
 
+/// A level with more than this part of the vertices of the next finer one is none.
+inline constexpr double kLeastGain = 0.95;
+
 template <int D>
 struct PackedLevel {
   Packing<D> packing;

@@ -200,7 +200,7 @@ bool SurfaceSimplifier::remove(std::uint32_t v) {
     if (p == q || are_adjacent(p, q) || !is_empty_ball(p, q, v, star_[v].empty())) return false;
     const bool is_first = distance_sq(point(p), point(v)) >= distance_sq(point(q), point(v));
     edge.curve = edges_[old[is_first ? 0 : 1]].curve;
-    edge.curve.ends = {std::min(p, q), std::max(p, q)};
+    edge.curve.ends = ends_of(p, q);
     edge.passengers = {v};
     for (const std::uint32_t e : old)
       edge.passengers.insert(edge.passengers.end(), edges_[e].passengers.begin(), edges_[e].passengers.end());
@@ -337,6 +337,17 @@ bool SurfaceSimplifier::are_edges_fit(std::uint32_t v, const Patching& patching)
   return true;
 }
 
+template <class Accept>
+bool SurfaceSimplifier::is_any_near(const Vec<3>& x, double reach_sq, Accept&& accept) const {
+  return tree_.find([&](const Box<3>& box) { return box.distance_sq(x) <= reach_sq; },
+                    [&](std::uint32_t item) {
+                      const std::uint32_t w = treed_[item];
+                      if (is_gone_[w] != 0) return false;
+                      const double d = distance_sq(x, point(w));
+                      return d <= reach_sq && accept(w, d);
+                    });
+}
+
 bool SurfaceSimplifier::is_edge_fit(std::uint32_t v, const SurfaceTriangle& t, const SurfaceTriangle& s,
                                     std::uint32_t a, std::uint32_t b) const {
   const std::uint32_t p = third_corner(t, a, b), q = third_corner(s, a, b);
@@ -345,15 +356,10 @@ bool SurfaceSimplifier::is_edge_fit(std::uint32_t v, const SurfaceTriangle& t, c
   for (std::size_t k = 0; k < found->n; ++k) {
     const Vec<3>& x = found->balls[k].center;
     const double reach_sq = found->balls[k].radius * found->balls[k].radius * (1 - kBallMargin);
-    bool is_empty = true;
-    tree_.for_each(
-        [&](const Box<3>& box) { return is_empty && box.distance_sq(x) <= reach_sq; },
-        [&](std::uint32_t item) {
-          const std::uint32_t w = treed_[item];
-          if (is_gone_[w] == 0 && w != v && w != a && w != b && w != p && w != q && distance_sq(x, point(w)) < reach_sq)
-            is_empty = false;
-        });
-    if (!is_empty) return false;
+    const auto is_inside = [&](std::uint32_t w, double d) {
+      return d < reach_sq && w != v && w != a && w != b && w != p && w != q;
+    };
+    if (is_any_near(x, reach_sq, is_inside)) return false;
   }
   return true;
 }
@@ -398,33 +404,23 @@ bool SurfaceSimplifier::is_empty_ball(std::uint32_t a, std::uint32_t b, std::uin
   const double radius_sq = distance_sq(center, point(a));
   const double outer = radius_sq * (1 + kClear), inner = radius_sq * (1 - kClear);
   std::vector<std::uint32_t> tied;
-  bool is_empty = true;
-  tree_.for_each([&](const Box<3>& box) { return is_empty && box.distance_sq(center) <= outer; },
-                 [&](std::uint32_t item) {
-                   const std::uint32_t w = treed_[item];
-                   if (is_gone_[w] != 0 || w == gone || w == a || w == b || w == c) return;
-                   const double d = distance_sq(center, point(w));
-                   if (d > outer) return;
-                   const int side = d < inner ? 1 : in_diametral_ball(point(a), point(b), point(c), point(w));
-                   if (side > 0) is_empty = false;
-                   if (side == 0) tied.push_back(w);
-                 });
-  return is_empty && (tied.empty() || is_chosen_by_ties({a, b, c}, std::move(tied)));
+  const auto is_inside = [&](std::uint32_t w, double d) {
+    if (w == gone || w == a || w == b || w == c) return false;
+    const int side = d < inner ? 1 : in_diametral_ball(point(a), point(b), point(c), point(w));
+    if (side == 0) tied.push_back(w);
+    return side > 0;
+  };
+  return !is_any_near(center, outer, is_inside) && (tied.empty() || is_chosen_by_ties({a, b, c}, std::move(tied)));
 }
 
 bool SurfaceSimplifier::is_empty_ball(std::uint32_t a, std::uint32_t b, std::uint32_t gone, bool is_dangling) const {
   const Vec<3> center = 0.5 * (point(a) + point(b));
   const double outer = 0.25 * distance_sq(point(a), point(b)) * (1 + kClear);
-  bool is_empty = true;
-  tree_.for_each([&](const Box<3>& box) { return is_empty && box.distance_sq(center) <= outer; },
-                 [&](std::uint32_t item) {
-                   const std::uint32_t w = treed_[item];
-                   if (is_gone_[w] != 0 || w == gone || w == a || w == b) return;
-                   if (distance_sq(center, point(w)) > outer) return;
-                   // An edge of triangles is Delaunay with them.
-                   if (in_diametral_ball(point(a), point(b), point(w)) >= (is_dangling ? 0 : 1)) is_empty = false;
-                 });
-  return is_empty;
+  // An edge of triangles is Delaunay with them, whatever lies on the sphere.
+  const int least = is_dangling ? 0 : 1;
+  return !is_any_near(center, outer, [&](std::uint32_t w, double) {
+    return w != gone && w != a && w != b && in_diametral_ball(point(a), point(b), point(w)) >= least;
+  });
 }
 
 bool SurfaceSimplifier::is_chosen_by_ties(std::array<std::uint32_t, 3> corners, std::vector<std::uint32_t> tied) const {
@@ -456,16 +452,6 @@ double SurfaceSimplifier::volume_change() const {
   for (std::size_t r = 0; r < region_change_.size(); ++r)
     largest = std::max(largest, std::abs(region_change_[r]) / fine_->region_volume[r]);
   return largest;
-}
-
-double SurfaceSimplifier::distance_of_vertices() const {
-  double farthest = 0;
-  for (const Triangle& t : triangles_) {
-    const auto& c = t.surface.corners;
-    for (const std::uint32_t w : t.passengers)
-      farthest = std::max(farthest, distance_to_triangle(point(w), point(c[0]), point(c[1]), point(c[2])));
-  }
-  return farthest;
 }
 
 }  // namespace voropack

@@ -45,8 +45,6 @@ class SurfaceSimplifier {
   [[nodiscard]] LevelSurface surface() const;
   /// The largest one of a region, as a part of its volume.
   [[nodiscard]] double volume_change() const;
-  /// The largest distance of a vertex that was taken away from the triangles in its place.
-  [[nodiscard]] double distance_of_vertices() const;
 
  private:
   struct Triangle {
@@ -97,6 +95,9 @@ class SurfaceSimplifier {
   [[nodiscard]] std::optional<Patching> patch(std::uint32_t v, const Sheet& sheet, bool is_open) const;
   /// Whether the balls of all edges that are new, or have a new triangle, hold no vertex.
   [[nodiscard]] bool are_edges_fit(std::uint32_t v, const Patching& patching) const;
+  /// Whether accept(w, d) is true for a vertex w of the surface at a squared distance d of at most `reach_sq` from x.
+  template <class Accept>
+  [[nodiscard]] bool is_any_near(const Vec<3>& x, double reach_sq, Accept&& accept) const;
   /// `t` and `s` meet at edge ab.
   [[nodiscard]] bool is_edge_fit(std::uint32_t v, const SurfaceTriangle& t, const SurfaceTriangle& s, std::uint32_t a,
                                  std::uint32_t b) const;

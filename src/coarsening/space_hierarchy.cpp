@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <numeric>
 #include <utility>
 
 #include "base/parallel.h"
@@ -12,6 +10,7 @@
 #include "coarsening/fine_mesh.h"
 #include "coarsening/initial_spacing.h"
 #include "coarsening/level_epsilon.h"
+#include "coarsening/level_packer.h"
 #include "coarsening/prolongation.h"
 #include "coarsening/surface_distance.h"
 #include "coarsening/surface_domain.h"
@@ -31,8 +30,6 @@ constexpr double kMostAllowance = 16;
 constexpr double kLessAllowance = 0.7;
 /// What is more than this part of the volume change that is allowed has been refused at some places.
 constexpr double kVolumeUse = 0.95;
-/// A level with more than this part of the vertices of the next finer one is none.
-constexpr double kLeastGain = 0.95;
 /// So often f shrinks on one level where simplices are long or leave room.
 constexpr int kMaxRounds = 2;
 
@@ -275,21 +272,13 @@ class SpaceHierarchy {
     level.growth = std::pow(options_.growth, static_cast<double>(i + 1));
     level.lipschitz = lipschitz_;
     level.area_change = plan.volume_change;
-    const std::vector<Vec<3>> centers = packed.packing.center.raw();
-    level.mesh = triangulate(domain, std::move(packed.packing), observer_);
-    // The mesh has the same points in another order.
-    const auto sorted = [](const std::vector<Vec<3>>& points) {
-      std::vector<std::uint32_t> order(points.size());
-      std::iota(order.begin(), order.end(), 0U);
-      std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return points[a] < points[b]; });
-      return order;
-    };
-    const std::vector<std::uint32_t> from = sorted(centers), to = sorted(level.mesh.points.raw());
-    level.finest_vertex.resize(centers.size());
-    for (std::size_t k = 0; k < from.size(); ++k) {
-      const VertexId v(std::size_t{to[k]});
-      level.finest_vertex[v] = packed.vertex[from[k]];
-      if (!mesh_.vertex_marker.empty()) level.mesh.vertex_marker[v] = mesh_.vertex_marker[packed.vertex[from[k]]];
+    PackingMesh<3> made = triangulate_packing(domain, std::move(packed.packing), observer_);
+    level.mesh = std::move(made.mesh);
+    level.finest_vertex.resize(packed.vertex.size());
+    for (const SphereId s : ids(made.vertex_of_sphere)) {
+      const VertexId v = made.vertex_of_sphere[s], of_finest = packed.vertex[s.value()];
+      level.finest_vertex[v] = of_finest;
+      if (!mesh_.vertex_marker.empty()) level.mesh.vertex_marker[v] = mesh_.vertex_marker[of_finest];
     }
     level.epsilon = measured_epsilon(level.mesh);
     return level;

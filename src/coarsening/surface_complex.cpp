@@ -19,8 +19,6 @@ namespace voropack {
 
 namespace {
 
-std::array<std::uint32_t, 2> ends_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
-
 class SurfaceFinder {
  public:
   SurfaceFinder(const Mesh<3>& mesh, const SurfaceWish& wish) : mesh_(mesh), wish_(wish) {}
@@ -124,7 +122,7 @@ class SurfaceFinder {
   }
 
   struct Edge {
-    std::array<std::uint32_t, 2> ends;
+    EdgeEnds ends;
     std::uint32_t triangle;
     friend auto operator<=>(const Edge&, const Edge&) = default;
   };
@@ -137,10 +135,9 @@ class SurfaceFinder {
         edges.push_back({ends_of(c[i], c[(i + 1) % 3]), t});
       }
     // Listed edges, as if they had one triangle more.
-    std::map<std::array<std::uint32_t, 2>, int> listed;
+    std::map<EdgeEnds, int> listed;
     for (const EdgeId e : ids(mesh_.segment_edges)) {
-      const std::array<std::uint32_t, 2> ends =
-          ends_of(place(mesh_.segment_edges[e][0]), place(mesh_.segment_edges[e][1]));
+      const EdgeEnds ends = ends_of(place(mesh_.segment_edges[e][0]), place(mesh_.segment_edges[e][1]));
       listed.emplace(ends, mesh_.segment_edge_marker.empty() ? 0 : mesh_.segment_edge_marker[e]);
       edges.push_back({ends, kAbsent});
     }
@@ -163,14 +160,14 @@ class SurfaceFinder {
 
   /// What is joined gets the marker that covers most of it.
   void merge_markers() {
-    std::set<std::array<std::uint32_t, 2>> curves;
+    std::set<EdgeEnds> curves;
     for (const CurveEdge& e : out_.edges) curves.insert(e.ends);
-    std::map<std::array<std::uint32_t, 2>, std::uint32_t> beside;
+    std::map<EdgeEnds, std::uint32_t> beside;
     DisjointSets sets(out_.triangles.size());
     for (std::uint32_t t = 0; t < out_.triangles.size(); ++t)
       for (std::size_t i = 0; i < 3; ++i) {
         const auto& c = out_.triangles[t].corners;
-        const auto ends = ends_of(c[i], c[(i + 1) % 3]);
+        const EdgeEnds ends = ends_of(c[i], c[(i + 1) % 3]);
         if (curves.contains(ends)) continue;
         const auto [it, is_new] = beside.try_emplace(ends, t);
         if (!is_new) sets.join(it->second, t);
@@ -183,8 +180,7 @@ class SurfaceFinder {
           std::ranges::max_element(areas[sets.find(t)], {}, [](const auto& entry) { return entry.second; })->first;
   }
 
-  [[nodiscard]] bool is_curve(const std::array<std::uint32_t, 2>& ends, const std::vector<std::uint32_t>& around,
-                              bool is_listed) const {
+  [[nodiscard]] bool is_curve(const EdgeEnds& ends, const std::vector<std::uint32_t>& around, bool is_listed) const {
     if (around.size() != 2) return true;
     const SurfaceTriangle &s = out_.triangles[around[0]], &t = out_.triangles[around[1]];
     if (s.patch != t.patch) return true;
@@ -198,7 +194,7 @@ class SurfaceFinder {
     return turn > wish_.feature_angle_deg * std::numbers::pi / 180 || (is_listed && turn < kCoplanarAngle);
   }
 
-  void add_curve_edge(const std::array<std::uint32_t, 2>& ends, const std::vector<std::uint32_t>& around, int marker) {
+  void add_curve_edge(const EdgeEnds& ends, const std::vector<std::uint32_t>& around, int marker) {
     std::vector<std::uint32_t> key;
     for (const std::uint32_t t : around) key.push_back(out_.triangles[t].patch);
     std::sort(key.begin(), key.end());

@@ -2,6 +2,7 @@
 // some vertices.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -22,9 +23,14 @@ struct SurfaceTriangle {
   std::uint32_t patch = 0;  ///< Triangles of one patch may be replaced by others of it.
 };
 
+/// Two vertices, ascending: the same from whichever side an edge is seen.
+using EdgeEnds = std::array<std::uint32_t, 2>;
+
+inline EdgeEnds ends_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
 /// An edge where patches end or meet, where the surface has a crease, or that is on no triangle.
 struct CurveEdge {
-  std::array<std::uint32_t, 2> ends;
+  EdgeEnds ends;
   int marker = 0;
   std::uint32_t curve = 0;  ///< Edges of one curve may be joined.
 };

@@ -10,10 +10,6 @@ namespace voropack {
 
 namespace {
 
-using Ends = std::array<std::uint32_t, 2>;
-
-Ends ends_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
-
 /// By place in the complex: the index among the vertices of the surface.
 std::vector<std::uint32_t> point_indices(const SurfaceComplex& fine, const LevelSurface& surface) {
   std::vector<std::uint32_t> index(fine.points.size(), 0);
@@ -42,7 +38,7 @@ Domain<3> domain_of_surface(const SurfaceComplex& fine, const LevelSurface& surf
   }
   domain.point_marker.resize(domain.points.size(), 0);
   domain.point_region.resize(domain.points.size());
-  std::map<Ends, SegmentId> segment_of;
+  std::map<EdgeEnds, SegmentId> segment_of;
   const auto segment = [&](std::uint32_t a, std::uint32_t b, int marker) {
     const auto [it, is_new] = segment_of.try_emplace(ends_of(a, b), SegmentId(domain.segments.size()));
     if (is_new) {
@@ -102,13 +98,13 @@ Packing<3> packing_of_surface(const SurfaceComplex& fine, const LevelSurface& su
 }
 
 std::vector<Ball<3>> edge_balls_of_surface(const SurfaceComplex& fine, const LevelSurface& surface) {
-  std::map<Ends, std::vector<std::uint32_t>> beside;
+  std::map<EdgeEnds, std::vector<std::uint32_t>> beside;
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
     for (std::size_t i = 0; i < 3; ++i) {
       const auto& c = surface.triangles[t].corners;
       beside[ends_of(c[i], c[(i + 1) % 3])].push_back(t);
     }
-  for (const CurveEdge& e : surface.edges) beside.erase(ends_of(e.ends[0], e.ends[1]));
+  for (const CurveEdge& e : surface.edges) beside.erase(e.ends);
   std::vector<Ball<3>> balls;
   for (const auto& [ends, triangles] : beside) {
     if (triangles.size() != 2) continue;

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <limits>
+
 #include "io/readers.h"
 
 namespace voropack::io {
@@ -31,6 +34,15 @@ bool read_marker_flag(TextScanner& scanner) {
     scanner.fail("io.bad_count", fmt::format("{}: the number of markers is {}", scanner.element(), flag),
                  "write 1 if each line ends with a marker and 0 if not");
   return flag == 1;
+}
+
+int read_region_id(TextScanner& scanner, std::string_view what) {
+  const double id = scanner.number(what);
+  if (id != std::floor(id) || std::abs(id) > std::numeric_limits<int>::max())
+    scanner.fail("io.bad_region",
+                 fmt::format("{}: the {} {} is not a whole number of 32 bits", scanner.element(), what, id),
+                 "use a whole number such as 1: it becomes the region's id");
+  return static_cast<int>(id);
 }
 
 NodeHeader read_node_header(TextScanner& scanner) {

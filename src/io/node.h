@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "io/text_scanner.h"
@@ -38,5 +39,9 @@ NodeList<D> read_node_list(TextScanner& scanner, const NodeHeader& header);
 
 /// "0 or 1" of a header that says whether a marker ends each line.
 bool read_marker_flag(TextScanner& scanner);
+
+/// A region's id, which these files write as a real number. Throws io.missing_value, io.bad_number, io.not_finite,
+/// io.bad_region if it is no whole number of 32 bits.
+int read_region_id(TextScanner& scanner, std::string_view what);
 
 }  // namespace voropack::io

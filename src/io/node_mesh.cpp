@@ -1,9 +1,6 @@
 // Meshes of Triangle and TetGen: .node and .ele, with .face (3D) and .edge.
 #include <fmt/format.h>
 
-#include <cmath>
-#include <limits>
-
 #include "io/mesh_assembly.h"
 #include "io/node.h"
 #include "io/readers.h"
@@ -11,15 +8,6 @@
 namespace voropack::io {
 
 namespace {
-
-int read_region(TextScanner& scanner) {
-  const double attribute = scanner.number("region");
-  if (attribute != std::floor(attribute) || std::abs(attribute) > std::numeric_limits<int>::max())
-    scanner.fail("io.bad_region",
-                 fmt::format("{}: the region {} is not a whole number of 32 bits", scanner.element(), attribute),
-                 "use a whole number such as 1");
-  return static_cast<int>(attribute);
-}
 
 /// The number that begins the line; the first one decides from where the elements are counted.
 void read_element_number(TextScanner& scanner, std::uint64_t i, std::uint64_t& first) {
@@ -60,7 +48,7 @@ Listing<D + 1> read_simplices(const Source& source, std::uint32_t first_vertex, 
     std::array<VertexId, D + 1> corners;
     for (VertexId& v : corners) v = VertexId(scanner.index("vertex", first_vertex, n_vertices));
     for (std::int64_t k = D + 1; k < n_nodes; ++k) scanner.index("vertex", first_vertex, n_vertices);
-    if (n_attributes > 0) simplices.markers.push_back(read_region(scanner));
+    if (n_attributes > 0) simplices.markers.push_back(read_region_id(scanner, "region"));
     for (std::uint64_t a = 1; a < n_attributes; ++a) scanner.number("attribute");
     scanner.end_of_line();
     simplices.vertices.push_back(corners);

@@ -1,9 +1,6 @@
 // Piecewise linear complexes: .poly of Triangle (2D) and of TetGen (3D), and .smesh of TetGen.
 #include <fmt/format.h>
 
-#include <cmath>
-#include <limits>
-
 #include "io/node.h"
 #include "io/readers.h"
 
@@ -119,7 +116,7 @@ class ComplexReader {
       scanner_.next_line("region", i + first_);
       scanner_.integer("number of the region");
       typename DomainInput<D>::RegionSeed seed{read_position<D>(scanner_), {}, {}};
-      seed.id = read_region_id();
+      seed.id = read_region_id(scanner_, "attribute");
       if (!scanner_.at_end_of_line()) {
         const double largest = scanner_.number(D == 2 ? "largest area" : "largest volume");
         if (largest > 0) seed.max_measure = largest;
@@ -171,15 +168,6 @@ class ComplexReader {
       corners.push_back(read_index());
     }
     return corners;
-  }
-
-  int read_region_id() {
-    const double attribute = scanner_.number("attribute");
-    if (attribute != std::floor(attribute) || std::abs(attribute) > std::numeric_limits<int>::max())
-      scanner_.fail("io.bad_region",
-                    fmt::format("{}: the attribute {} is not a whole number of 32 bits", scanner_.element(), attribute),
-                    "use a whole number such as 1: it becomes the region's id");
-    return static_cast<int>(attribute);
   }
 
   TextScanner& scanner_;

@@ -89,7 +89,7 @@ class Descent {
   const EdgeGraph& graph_;
   double lipschitz_;
   IdVector<VertexId, double>& f_;
-  bool is_alone_ = tbb::this_task_arena::max_concurrency() == 1;
+  bool is_alone_ = is_single_threaded();
   std::vector<std::uint8_t> is_stale_;  ///< Whether a neighbor has become too small since the vertex was looked at.
   std::vector<std::uint8_t> is_block_stale_;  ///< Whether another block has marked one of its vertices.
 };

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -70,7 +69,7 @@ Csr<V, V> adjacent_values(std::size_t n_values, std::size_t n_tuples, Tuple&& tu
   std::vector<std::uint32_t> first(n_values, kEnd);
   const auto next = std::make_unique_for_overwrite<std::array<std::uint32_t, kSize>[]>(n_tuples);
   // An atomic exchange takes as long as dozens of other instructions.
-  const bool is_alone = tbb::this_task_arena::max_concurrency() == 1;
+  const bool is_alone = is_single_threaded();
   parallel_for(n_tuples, [&](std::size_t number) {
     if (!exists(number)) return;
     const auto t = static_cast<std::uint32_t>(number);

@@ -30,6 +30,16 @@ constexpr double kCornerShrink = 0.7;
 /// One round shrinks f at most and at least by these factors.
 constexpr double kLeastShrink = 0.8, kMostShrink = 0.3;
 
+/// The least angle between the directions of two polytopes; pi if there is one only.
+template <class Polytopes, class Direction>
+double least_angle_between(const Polytopes& polytopes, Direction&& direction) {
+  double least = std::numbers::pi;
+  for (std::size_t i = 0; i < polytopes.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      least = std::min(least, angle_between(direction(polytopes[i]), direction(polytopes[j])));
+  return least;
+}
+
 }  // namespace
 
 template <int D>
@@ -47,21 +57,12 @@ bool Protection<D>::narrow_corners(const Vec<D>& center, double radius, const Sp
 
 template <int D>
 double Protection<D>::least_angle(SegmentId spine, const std::vector<Page>& pages) const {
-  double least = std::numbers::pi;
-  for (std::size_t i = 0; i < pages.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      least = std::min(least, angle_between(incidence.inward(pages[i], spine), incidence.inward(pages[j], spine)));
-  return least;
+  return least_angle_between(pages, [&](const Page& page) { return incidence.inward(page, spine); });
 }
 
 template <int D>
 double Protection<D>::least_angle(PointId tip, const std::vector<SegmentId>& segments) const {
-  double least = std::numbers::pi;
-  for (std::size_t i = 0; i < segments.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      least =
-          std::min(least, angle_between(incidence.direction(segments[i], tip), incidence.direction(segments[j], tip)));
-  return least;
+  return least_angle_between(segments, [&](SegmentId s) { return incidence.direction(s, tip); });
 }
 
 /// How far the center is from the line or plane of the ball's polytope.

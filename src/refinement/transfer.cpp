@@ -112,15 +112,17 @@ std::vector<CoarseLevel<D>> nested_levels(const Mesh<D>& finest, std::vector<Mes
     const CoarseLevel<D>* const finer = k == 0 ? nullptr : &levels.back();
     CoarseLevel<D> level;
     level.mesh = std::move(coarser[k]);
-    level.finest_vertex = same_vertices(finest, level.mesh);
-    const auto in_finer = finer == nullptr ? level.finest_vertex : same_vertices(finer->mesh, level.mesh);
-    for (const VertexId v : ids(in_finer))
-      if (in_finer[v].is_none() || level.finest_vertex[v].is_none())
+    level.finest_vertex = same_vertices(finer == nullptr ? finest : finer->mesh, level.mesh);
+    for (const VertexId v : ids(level.finest_vertex)) {
+      VertexId& at = level.finest_vertex[v];
+      if (at.is_none())
         throw InputError(
             Fault{.id = "refine.not_nested",
                   .message = fmt::format("vertex {} of coarse mesh {} is not in the next finer mesh", v.value(), k + 1),
                   .fix = "give meshes that were refined with all vertices kept, or coarsened, the finest first",
                   .position = {level.mesh.points[v].coord.begin(), level.mesh.points[v].coord.end()}});
+      if (finer != nullptr) at = finer->finest_vertex[at];  // It was in the finer mesh.
+    }
     link_level(finest, finer, level);
     levels.push_back(std::move(level));
   }

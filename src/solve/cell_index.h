@@ -1,4 +1,4 @@
-// From a vertex and a region to the cell that they have in common.
+// The cells of vertices: the one in a region, and the volume of all.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,8 @@
 
 namespace voropack {
 
-/// Needs cells that are sorted by vertex, with at least one for every vertex. The volumes have to stay where they are.
+/// From a vertex and a region to the cell that they have in common. Needs cells that are sorted by vertex, with at
+/// least one for every vertex. The volumes have to stay where they are.
 class CellIndex {
  public:
   template <int D>
@@ -37,5 +38,13 @@ class CellIndex {
   std::vector<CellId> first_;  ///< [n_vertices + 1]
   const IdVector<CellId, int>* region_;
 };
+
+/// [n_vertices] the volume of the cells of each vertex in all regions.
+template <int D>
+IdVector<VertexId, double> vertex_volumes(const ControlVolumes<D>& volumes) {
+  IdVector<VertexId, double> sum(volumes.sites.size(), 0.0);
+  for (const CellId c : ids(volumes.cell_vertex)) sum[volumes.cell_vertex[c]] += volumes.cell_volume[c];
+  return sum;
+}
 
 }  // namespace voropack

@@ -7,6 +7,7 @@
 
 #include "solve/assemble.h"
 #include "solve/balance.h"
+#include "solve/cell_index.h"
 #include "solve/check_volumes.h"
 #include "solve/coefficients.h"
 #include "solve/conservation.h"
@@ -15,13 +16,6 @@
 namespace voropack {
 
 namespace {
-
-template <int D>
-IdVector<VertexId, double> vertex_volumes(const ControlVolumes<D>& volumes) {
-  IdVector<VertexId, double> sum(volumes.sites.size(), 0.0);
-  for (const CellId c : ids(volumes.cell_vertex)) sum[volumes.cell_vertex[c]] += volumes.cell_volume[c];
-  return sum;
-}
 
 /// The regions that some vertices, ascending, have cells in.
 template <int D>

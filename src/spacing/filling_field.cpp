@@ -6,34 +6,14 @@
 
 #include "geom/polytope_distance.h"
 #include "spacing/affine_envelope.h"
+#include "spacing/hat_gradients.h"
 
 namespace voropack {
 
 namespace {
 
-/// Points are inside of a simplex down to this barycentric coordinate: no gaps between neighbors.
-constexpr double kInsideSlack = 1e-9;
 /// Values at corners may differ by so much more than is Lipschitz: rounding.
 constexpr double kLipschitzSlack = 1e-9;
-
-/// Gradients of the hat functions of corners 1 .. D. Not finite where the simplex is flat.
-std::array<Vec<2>, 2> hat_gradients(const std::array<Vec<2>, 3>& x) {
-  const Vec<2> e = x[1] - x[0], f = x[2] - x[0];
-  const double det = cross(e, f);
-  return {Vec<2>{f[1], -f[0]} / det, Vec<2>{-e[1], e[0]} / det};
-}
-std::array<Vec<3>, 3> hat_gradients(const std::array<Vec<3>, 4>& x) {
-  const Vec<3> e = x[1] - x[0], f = x[2] - x[0], g = x[3] - x[0];
-  const double det = dot(e, cross(f, g));
-  return {cross(f, g) / det, cross(g, e) / det, cross(e, f) / det};
-}
-
-template <int D>
-bool meet(const Box<D>& a, const Box<D>& b) {
-  for (int k = 0; k < D; ++k)
-    if (a.hi[k] < b.lo[k] || b.hi[k] < a.lo[k]) return false;
-  return true;
-}
 
 }  // namespace
 
@@ -190,9 +170,9 @@ double FillingField<D>::at(const Vec<D>& x) const {
 template <int D>
 std::optional<double> FillingField<D>::constant_on(const Box<D>& box) const {
   std::optional<double> constant;
-  const bool varies = tree_.find([&](const Box<D>& other) { return meet(other, box); },
+  const bool varies = tree_.find([&](const Box<D>& other) { return other.overlaps(box); },
                                  [&](std::uint32_t s) {
-                                   if (!meet(this->box(simplices_[s]), box)) return false;
+                                   if (!this->box(simplices_[s]).overlaps(box)) return false;
                                    const auto value = values(simplices_[s]);
                                    if (!constant) constant = value[0];
                                    return std::ranges::any_of(value, [&](double v) { return v != *constant; });
@@ -206,10 +186,10 @@ Interval FillingField<D>::range(const Box<D>& box) const {
   const auto& nodes = tree_.nodes();
   const auto is_news = [&](const typename BoxTree<D>::Node& node) {
     const double most = largest_[static_cast<std::size_t>(&node - nodes.data())];
-    return (node.value < range.lo || most > range.hi) && meet(node.box, box);
+    return (node.value < range.lo || most > range.hi) && node.box.overlaps(box);
   };
   tree_.for_each_below(is_news, [&](std::uint32_t s) {
-    if (!meet(this->box(simplices_[s]), box)) return;
+    if (!this->box(simplices_[s]).overlaps(box)) return;
     const auto value = values(simplices_[s]);
     range = {std::min(range.lo, std::ranges::min(value)), std::max(range.hi, std::ranges::max(value))};
   });

@@ -7,27 +7,9 @@
 
 #include "geom/polytope_distance.h"
 #include "spacing/affine_envelope.h"
+#include "spacing/hat_gradients.h"
 
 namespace voropack {
-
-namespace {
-
-/// Points are inside of a simplex down to this barycentric coordinate: no gaps between neighbors.
-constexpr double kInsideSlack = 1e-9;
-
-/// Rows of the inverse of the matrix of the edges. False if there is none.
-bool find_hat_gradients(const std::array<Vec<2>, 2>& e, std::array<Vec<2>, 2>& rows) {
-  const double det = cross(e[0], e[1]);
-  rows = {Vec<2>{e[1][1], -e[1][0]} / det, Vec<2>{-e[0][1], e[0][0]} / det};
-  return std::isfinite(norm(rows[0]) + norm(rows[1]));
-}
-bool find_hat_gradients(const std::array<Vec<3>, 3>& e, std::array<Vec<3>, 3>& rows) {
-  const double det = dot(e[0], cross(e[1], e[2]));
-  rows = {cross(e[1], e[2]) / det, cross(e[2], e[0]) / det, cross(e[0], e[1]) / det};
-  return std::isfinite(norm(rows[0]) + norm(rows[1]) + norm(rows[2]));
-}
-
-}  // namespace
 
 template <int D>
 void SizeAtoms<D>::add_polytope(double value, std::uint32_t polytope) {
@@ -58,9 +40,8 @@ void SizeAtoms<D>::add_simplex(const FieldSimplex<D>& simplex) {
   const double least = *std::min_element(simplex.value.begin(), simplex.value.end());
   atoms_.push_back({least, SizeAtom::Kind::kSimplex, static_cast<std::uint32_t>(simplices_.size())});
   AffineSimplex<D> affine{simplex};
-  std::array<Vec<D>, D> edges;
-  for (std::size_t i = 0; i < D; ++i) edges[i] = simplex.corner[i + 1] - simplex.corner[0];
-  if (find_hat_gradients(edges, affine.hat_gradient)) {
+  affine.hat_gradient = hat_gradients(simplex.corner);
+  if (std::ranges::all_of(affine.hat_gradient, [](const Vec<D>& g) { return std::isfinite(norm(g)); })) {
     for (std::size_t i = 0; i < D; ++i)
       affine.gradient += (simplex.value[i + 1] - simplex.value[0]) * affine.hat_gradient[i];
     affine.is_gentle = norm(affine.gradient) <= slope_;

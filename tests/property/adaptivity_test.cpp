@@ -54,13 +54,6 @@ Solution<D> solve_exact(const Mesh<D>& mesh, const ExactProblem<D>& exact) {
   return result;
 }
 
-template <int D>
-Mesh<D> uniform_mesh(const DomainInput<D>& input, double size) {
-  MeshingOptions<D> options;
-  options.wishes.size = size;
-  return make_mesh(input, options).mesh;
-}
-
 struct Cycle {
   double n_vertices, error, effectivity;
 };
@@ -142,7 +135,7 @@ ExactProblem<3> exponential() {
 
 TEST(Adaptivity, ReentrantCornerInThePlane) {
   for (const bool keep_all : {false, true}) {
-    const auto cycles = adapt<2>(uniform_mesh(domains::l_shape<2>(), 0.3), corner_singularity<2>(), 6, 2.5, keep_all);
+    const auto cycles = adapt<2>(test::mesh_of(domains::l_shape<2>(), 0.3), corner_singularity<2>(), 6, 2.5, keep_all);
     EXPECT_LE(slope(cycles.front(), cycles.back()), -0.47);
     expect_effective_after_two(cycles);
   }
@@ -150,28 +143,28 @@ TEST(Adaptivity, ReentrantCornerInThePlane) {
 
 TEST(Adaptivity, ReentrantEdgeInSpace) {
   for (const bool keep_all : {false, true}) {
-    const auto cycles = adapt<3>(uniform_mesh(domains::l_shape<3>(), 0.5), corner_singularity<3>(), 4, 3, keep_all);
+    const auto cycles = adapt<3>(test::mesh_of(domains::l_shape<3>(), 0.5), corner_singularity<3>(), 4, 3, keep_all);
     EXPECT_LE(slope(cycles.front(), cycles.back()), -0.30);
     expect_effective_after_two(cycles);
   }
 }
 
 TEST(Adaptivity, InteriorLayer) {
-  const auto cycles = adapt<2>(uniform_mesh(domains::unit_box<2>(), 0.1), circular_layer(), 6, 2, false);
+  const auto cycles = adapt<2>(test::mesh_of(domains::unit_box<2>(), 0.1), circular_layer(), 6, 2, false);
   expect_effective_after_two(cycles);
   // On lattices errors fall like h^2, and n times the error is the same for all uniform meshes.
-  const Mesh<2> uniform = uniform_mesh(domains::unit_box<2>(), 0.00625);
+  const Mesh<2> uniform = test::mesh_of(domains::unit_box<2>(), 0.00625);
   const double cost = static_cast<double>(uniform.points.size()) * solve_exact(uniform, circular_layer()).error;
   EXPECT_LE(cycles.back().n_vertices * cycles.back().error, cost / 3.5);
 }
 
 TEST(Adaptivity, ExponentialOnTheCube) {
-  const auto cycles = adapt<3>(uniform_mesh(domains::unit_box<3>(), 0.2), exponential(), 4, 2.5, false);
+  const auto cycles = adapt<3>(test::mesh_of(domains::unit_box<3>(), 0.2), exponential(), 4, 2.5, false);
   expect_effective_after_two(cycles);
   // Uniform meshes are lattices, too, and as good on the whole; how a lattice fits between walls makes 25 % either way.
   std::vector<Cycle> uniform;
   for (const double size : {0.1, 0.05}) {
-    const Mesh<3> mesh = uniform_mesh(domains::unit_box<3>(), size);
+    const Mesh<3> mesh = test::mesh_of(domains::unit_box<3>(), size);
     uniform.push_back({static_cast<double>(mesh.points.size()), solve_exact(mesh, exponential()).error, 1});
   }
   const double order = slope(uniform[0], uniform[1]);
@@ -245,7 +238,7 @@ TEST(Adaptivity, TermsTakenAtSitesAreInTheEstimateInThePlane) {
   for (std::size_t k = 0; k < kTerms.size(); ++k) {
     SCOPED_TRACE(k);
     expect_effective_after_two(adapt<2>(
-        uniform_mesh(domains::unit_box<2>(), 0.2), [&](const Mesh<2>& m) { return solve_terms(m, kTerms[k]); }, 4, 2.5,
+        test::mesh_of(domains::unit_box<2>(), 0.2), [&](const Mesh<2>& m) { return solve_terms(m, kTerms[k]); }, 4, 2.5,
         false));
   }
 }
@@ -254,7 +247,7 @@ TEST(Adaptivity, TermsTakenAtSitesAreInTheEstimateInSpace) {
   for (std::size_t k = 0; k < kTerms.size(); ++k) {
     SCOPED_TRACE(k);
     expect_effective_after_two(adapt<3>(
-        uniform_mesh(domains::unit_box<3>(), 0.35), [&](const Mesh<3>& m) { return solve_terms(m, kTerms[k]); }, 3, 3,
+        test::mesh_of(domains::unit_box<3>(), 0.35), [&](const Mesh<3>& m) { return solve_terms(m, kTerms[k]); }, 3, 3,
         false));
   }
 }
@@ -262,7 +255,7 @@ TEST(Adaptivity, TermsTakenAtSitesAreInTheEstimateInSpace) {
 /// u = x y + y^2 with its derivatives, for which the rules of integration are exact.
 template <int D>
 struct Quadratic {
-  Mesh<D> mesh = uniform_mesh(domains::unit_box<D>(), 0.2);
+  Mesh<D> mesh = test::mesh_of(domains::unit_box<D>(), 0.2);
   ControlVolumes<D> volumes = build_control_volumes(mesh);
   BoundaryAreas<D> areas = build_boundary_areas(mesh);
   DiffusionProblem<D> problem;
@@ -324,7 +317,7 @@ TEST(Adaptivity, WhatIsTakenAtSitesIsIntegrated) {
 
 /// u is linear on both sides of the interface at x = 1: a kink, and nothing else.
 TEST(Adaptivity, NothingReachesAcrossAJump) {
-  const Mesh<2> mesh = uniform_mesh(domains::two_material_box<2>(), 0.1);
+  const Mesh<2> mesh = test::mesh_of(domains::two_material_box<2>(), 0.1);
   const ControlVolumes<2> volumes = build_control_volumes(mesh);
   const double middle = 1;
   VertexValues kink(mesh.points.size());
@@ -338,7 +331,7 @@ TEST(Adaptivity, NothingReachesAcrossAJump) {
 }
 
 TEST(Adaptivity, CubicPolynomialsAreRecovered) {
-  const Mesh<3> mesh = uniform_mesh(domains::unit_box<3>(), 0.25);
+  const Mesh<3> mesh = test::mesh_of(domains::unit_box<3>(), 0.25);
   const ControlVolumes<3> volumes = build_control_volumes(mesh);
   VertexValues values(mesh.points.size());
   for (const VertexId v : ids(values)) {
@@ -359,7 +352,7 @@ TEST(Adaptivity, CubicPolynomialsAreRecovered) {
 }
 
 TEST(Adaptivity, LinearSolutionsHaveNoError) {
-  const Mesh<3> mesh = uniform_mesh(domains::unit_box<3>(), 0.25);
+  const Mesh<3> mesh = test::mesh_of(domains::unit_box<3>(), 0.25);
   const ExactProblem<3> linear = {[](const Vec<3>& x) { return x[0] + 2 * x[1] - x[2]; },
                                   [](const Vec<3>&) { return 0.0; }};
   const Solution<3> solved = solve_exact(mesh, linear);
@@ -372,7 +365,7 @@ TEST(Adaptivity, LinearSolutionsHaveNoError) {
 /// The estimate follows rigid motions: also those that take the mesh far away.
 TEST(Adaptivity, EstimatesAreTheSameFarFromTheOrigin) {
   const auto estimate_at = [](double shift) {
-    Mesh<2> mesh = uniform_mesh(domains::unit_box<2>(), 0.1);
+    Mesh<2> mesh = test::mesh_of(domains::unit_box<2>(), 0.1);
     for (auto& x : mesh.points) x += Vec<2>{shift, shift};
     const ExactProblem<2> bump = {[=](const Vec<2>& x) { return std::exp(x[0] - shift) * std::sin(x[1] - shift); },
                                   [](const Vec<2>&) { return 0.0; }};
@@ -385,7 +378,7 @@ TEST(Adaptivity, EstimatesAreTheSameFarFromTheOrigin) {
 
 /// A source that depends on u is part of the matrix of the error's equation, and may be all that holds the solution.
 TEST(Adaptivity, NonlinearProblemsAreLinearized) {
-  const Mesh<2> mesh = uniform_mesh(domains::unit_box<2>(), 0.05);
+  const Mesh<2> mesh = test::mesh_of(domains::unit_box<2>(), 0.05);
   const ControlVolumes<2> volumes = build_control_volumes(mesh);
   const BoundaryAreas<2> areas = build_boundary_areas(mesh);
   DiffusionProblem<2> problem;
@@ -401,7 +394,7 @@ TEST(Adaptivity, NonlinearProblemsAreLinearized) {
 }
 
 TEST(Adaptivity, WhatIsRefused) {
-  const Mesh<2> mesh = uniform_mesh(domains::unit_box<2>(), 0.3);
+  const Mesh<2> mesh = test::mesh_of(domains::unit_box<2>(), 0.3);
   const ControlVolumes<2> volumes = build_control_volumes(mesh);
   const auto derivatives = recover_derivatives(volumes, VertexValues(mesh.points.size(), 1.0));
   const auto id_of = [&](std::size_t n_spacings, const TargetOptions& options) -> std::string {

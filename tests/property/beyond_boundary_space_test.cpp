@@ -13,10 +13,9 @@
 #include "geom/polytope_distance.h"
 #include "support/cases.h"
 #include "support/curved_domains.h"
+#include "support/level_checks.h"
 #include "support/shared_data.h"
-#include "voropack/certificate.h"
 #include "voropack/coarsening.h"
-#include "voropack/dual.h"
 #include "voropack/io.h"
 #include "voropack/pipeline.h"
 
@@ -68,16 +67,6 @@ double vertex_distance(const Mesh<3>& from, const Mesh<3>& to) {
   return farthest;
 }
 
-void expect_certified(const SimplifiedLevel<3>& level) {
-  CertificateOptions claims;
-  if (level.epsilon > 0) {
-    claims.form = PackingForm::kMaximal;
-    claims.epsilon = level.epsilon;
-  }
-  const Certificate certificate = certify<3>(level.mesh, build_control_volumes(level.mesh), nullptr, claims);
-  for (const auto& check : certificate.checks) EXPECT_TRUE(check.ok) << check.name << ": " << check.where;
-}
-
 void expect_laws(const Mesh<3>& fine, const std::vector<SimplifiedLevel<3>>& levels,
                  const BeyondBoundaryOptions& options) {
   const std::map<int, double> fine_volumes = volumes_of(fine);
@@ -86,14 +75,9 @@ void expect_laws(const Mesh<3>& fine, const std::vector<SimplifiedLevel<3>>& lev
   for (const SimplifiedLevel<3>& level : levels) {
     SCOPED_TRACE(level.mesh.points.size());
     EXPECT_EQ(find_mesh_fault(level.mesh), "");
-    std::vector<std::uint8_t> seen(finer->points.size(), 0);
-    for (const VertexId v : ids(level.mesh.points)) {
-      EXPECT_EQ(level.mesh.points[v], fine.points[level.finest_vertex[v]]);
-      EXPECT_EQ(level.mesh.points[v], finer->points[level.finer_vertex[v]]);
-      EXPECT_EQ(seen[level.finer_vertex[v].value()]++, 0);
-    }
+    test::expect_nested(fine, *finer, level);
     EXPECT_LT(level.mesh.points.size(), finer->points.size());
-    expect_certified(level);
+    test::expect_certified<3>(level, nullptr);
     EXPECT_LE(level.area_change, options.max_area_change);
     const std::map<int, double> volumes = volumes_of(level.mesh);
     ASSERT_EQ(volumes.size(), fine_volumes.size());
@@ -128,16 +112,10 @@ DomainInput<3> ball_in_box() {
   return input;
 }
 
-Mesh<3> meshed(const DomainInput<3>& input, double size) {
-  MeshingOptions<3> options;
-  options.wishes.size = size;
-  return make_mesh(input, options).mesh;
-}
-
 TEST(BeyondBoundaryInSpace, LevelsOfEveryDomainKeepTheLaws) {
   for (const auto& one : test::all_cases<3>()) {
     SCOPED_TRACE(one.name);
-    const Mesh<3> fine = meshed(one.input, 0.25 * std::cbrt(one.measure));
+    const Mesh<3> fine = test::mesh_of(one.input, 0.25 * std::cbrt(one.measure));
     BeyondBoundaryOptions options;
     options.levels = 3;
     const auto levels = coarsen_beyond_boundary(fine, options);
@@ -147,7 +125,7 @@ TEST(BeyondBoundaryInSpace, LevelsOfEveryDomainKeepTheLaws) {
 }
 
 TEST(BeyondBoundaryInSpace, ACurvedBoundaryIsSimplifiedAndItsNeckStays) {
-  const Mesh<3> fine = meshed(d::dumbbell(), 0.15);
+  const Mesh<3> fine = test::mesh_of(d::dumbbell(), 0.15);
   BeyondBoundaryOptions options;
   options.max_area_change = 0.2;
   const auto levels = coarsen_beyond_boundary(fine, options);
@@ -160,7 +138,7 @@ TEST(BeyondBoundaryInSpace, ACurvedBoundaryIsSimplifiedAndItsNeckStays) {
 }
 
 TEST(BeyondBoundaryInSpace, AnInterfaceStaysBetweenItsRegions) {
-  const Mesh<3> fine = meshed(ball_in_box(), 0.2);
+  const Mesh<3> fine = test::mesh_of(ball_in_box(), 0.2);
   for (const double change : {0.02, 0.2}) {
     BeyondBoundaryOptions options;
     options.max_area_change = change;
@@ -171,7 +149,7 @@ TEST(BeyondBoundaryInSpace, AnInterfaceStaysBetweenItsRegions) {
 }
 
 TEST(BeyondBoundaryInSpace, ASmallerVolumeChangeMovesTheBoundaryLess) {
-  const Mesh<3> fine = meshed(d::dumbbell(), 0.15);
+  const Mesh<3> fine = test::mesh_of(d::dumbbell(), 0.15);
   std::vector<std::size_t> sizes;
   for (const double change : {1e-6, 0.01, 0.2}) {
     BeyondBoundaryOptions options;
@@ -189,7 +167,7 @@ TEST(BeyondBoundaryInSpace, ASmallerVolumeChangeMovesTheBoundaryLess) {
 TEST(BeyondBoundaryInSpace, MarkersAreJoinedOnlyIfAsked) {
   DomainInput<3> input = d::dumbbell();
   for (std::size_t f = 0; f < input.facets.size(); ++f) input.facets[f].marker = static_cast<int>(f) + 1;
-  const Mesh<3> fine = meshed(input, 0.15);
+  const Mesh<3> fine = test::mesh_of(input, 0.15);
   BeyondBoundaryOptions options;
   options.max_area_change = 0.2;
   options.levels = 2;
@@ -205,7 +183,7 @@ TEST(BeyondBoundaryInSpace, MarkersAreJoinedOnlyIfAsked) {
 }
 
 TEST(BeyondBoundaryInSpace, CreasesStayIfTheyAreFeatures) {
-  const Mesh<3> fine = meshed(d::box_with_through_hole(), 0.5);
+  const Mesh<3> fine = test::mesh_of(d::box_with_through_hole(), 0.5);
   BeyondBoundaryOptions options;
   options.merge_markers = true;
   options.feature_angle_deg = 60;
@@ -218,7 +196,7 @@ TEST(BeyondBoundaryInSpace, CreasesStayIfTheyAreFeatures) {
 }
 
 TEST(BeyondBoundaryInSpace, ThreadsDoNotMatter) {
-  const Mesh<3> fine = meshed(ball_in_box(), 0.25);
+  const Mesh<3> fine = test::mesh_of(ball_in_box(), 0.25);
   BeyondBoundaryOptions options;
   options.max_area_change = 0.1;
   std::vector<SimplifiedLevel<3>> one, two;
@@ -253,7 +231,7 @@ TEST(BeyondBoundaryInSpace, NothingHasNoLevels) { EXPECT_TRUE(coarsen_beyond_bou
 TEST(BeyondBoundaryInSpace, NumbersOfVerticesAreRefused) {
   BeyondBoundaryOptions options;
   options.target_vertices = {100};
-  EXPECT_THROW(coarsen_beyond_boundary(meshed(d::unit_box<3>(), 0.5), options), OptionError);
+  EXPECT_THROW(coarsen_beyond_boundary(test::mesh_of(d::unit_box<3>(), 0.5), options), OptionError);
 }
 
 /// Of the dual face of ab in the simplex abpq, with the sign that the certificate measures.

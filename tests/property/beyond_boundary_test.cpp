@@ -7,6 +7,7 @@
 
 #include "geom/predicates.h"
 #include "support/cases.h"
+#include "support/level_checks.h"
 #include "support/shared_data.h"
 #include "voropack/coarsening.h"
 #include "voropack/io.h"
@@ -115,13 +116,7 @@ void expect_laws(const Mesh<2>& fine, const std::vector<SimplifiedLevel<2>>& lev
   for (const SimplifiedLevel<2>& level : levels) {
     SCOPED_TRACE(level.mesh.points.size());
     EXPECT_EQ(find_mesh_fault(level.mesh), "");
-    ASSERT_EQ(level.finest_vertex.size(), level.mesh.points.size());
-    std::vector<std::uint8_t> seen(finer->points.size(), 0);
-    for (const VertexId v : ids(level.mesh.points)) {
-      EXPECT_EQ(level.mesh.points[v], fine.points[level.finest_vertex[v]]);
-      EXPECT_EQ(level.mesh.points[v], finer->points[level.finer_vertex[v]]);
-      EXPECT_EQ(seen[level.finer_vertex[v].value()]++, 0);
-    }
+    test::expect_nested(fine, *finer, level);
     EXPECT_LE(level.mesh.points.size(), finer->points.size());
     expect_empty_balls(level.mesh);
     const auto areas = areas_of(level.mesh), enclosed = enclosed_areas(level.mesh);
@@ -146,12 +141,6 @@ void expect_laws(const Mesh<2>& fine, const std::vector<SimplifiedLevel<2>>& lev
   }
 }
 
-Mesh<2> mesh_of(const DomainInput<2>& input, double size) {
-  MeshingOptions<2> options;
-  options.wishes.size = size;
-  return make_mesh(input, options).mesh;
-}
-
 Mesh<2> disk(double size) {
   DomainInput<2> input;
   constexpr std::uint32_t n = 120;
@@ -160,7 +149,7 @@ Mesh<2> disk(double size) {
     input.points.emplace_back(std::cos(t), std::sin(t));
     input.segments.push_back({{i, (i + 1) % n}, 1, std::nullopt});
   }
-  return mesh_of(input, size);
+  return test::mesh_of(input, size);
 }
 
 constexpr std::array kImprovements = {LocalImprovement::kNone, LocalImprovement::kPacked, LocalImprovement::kFree};
@@ -168,7 +157,7 @@ constexpr std::array kImprovements = {LocalImprovement::kNone, LocalImprovement:
 TEST(BeyondBoundary, LevelsAreNestedConformingAndWholeOnEveryDomain) {
   for (const auto& c : test::all_cases<2>()) {
     const double size = std::sqrt(c.measure) / 16;
-    const Mesh<2> fine = mesh_of(c.input, size);
+    const Mesh<2> fine = test::mesh_of(c.input, size);
     for (const LocalImprovement improvement : kImprovements) {
       SCOPED_TRACE(c.name);
       BeyondBoundaryOptions options;

@@ -4,53 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <set>
 
 #include "support/allow_threads.h"
 #include "support/cases.h"
+#include "support/level_checks.h"
 
 namespace voropack {
 namespace {
-
-template <int D>
-Mesh<D> mesh_of(const DomainInput<D>& input, double size, Interior interior = Interior::kLattice) {
-  MeshingOptions<D> options;
-  options.wishes.size = size;
-  options.packing.interior = interior;
-  return make_mesh(input, options).mesh;
-}
-
-template <int D>
-Certificate certificate_of(const CoarseLevel<D>& level, const Domain<D>& domain, double lipschitz) {
-  CertificateOptions claims;
-  claims.gradation = lipschitz;
-  if (level.epsilon > 0) {
-    claims.form = PackingForm::kMaximal;
-    claims.epsilon = level.epsilon;
-  }
-  return certify(level.mesh, build_control_volumes(level.mesh), &domain, claims);
-}
-
-template <int D>
-void expect_certified(const CoarseLevel<D>& level, const Domain<D>& domain, double lipschitz) {
-  for (const Certificate::Check& check : certificate_of(level, domain, lipschitz).checks)
-    EXPECT_TRUE(check.ok) << check.name << ": " << check.violations << " of " << check.tested << ", " << check.where;
-}
-
-template <int D>
-void expect_nested(const CoarseningHierarchy<D>& hierarchy, const Mesh<D>& finest) {
-  const Mesh<D>* finer = &finest;
-  for (const CoarseLevel<D>& level : hierarchy.levels) {
-    EXPECT_LT(level.mesh.points.size(), finer->points.size());
-    std::set<VertexId> seen;
-    for (const VertexId v : ids(level.mesh.points)) {
-      EXPECT_EQ(level.mesh.points[v], finest.points[level.finest_vertex[v]]);
-      EXPECT_EQ(level.mesh.points[v], finer->points[level.finer_vertex[v]]);
-      EXPECT_TRUE(seen.insert(level.finest_vertex[v]).second);
-    }
-    finer = &level.mesh;
-  }
-}
 
 /// P x = x for the coordinates, and every row adds up to one.
 template <int D>
@@ -80,16 +40,16 @@ void every_domain_coarsens() {
   for (const test::Case<D>& c : test::all_cases<D>())
     for (const Interior interior : {Interior::kLattice, Interior::kRandom}) {
       SCOPED_TRACE(c.name);
-      const Mesh<D> finest = mesh_of(c.input, D == 2 ? 0.03 : 0.15, interior);
+      const Mesh<D> finest = test::mesh_of(c.input, D == 2 ? 0.03 : 0.15, interior);
       CoarseningOptions options;
       options.levels = 3;
       const CoarseningHierarchy<D> hierarchy = coarsen(finest, options);
       EXPECT_GE(hierarchy.levels.size(), 1U);
-      expect_nested(hierarchy, finest);
+      test::expect_nested(finest, hierarchy);
       expect_linear_exact(hierarchy, finest);
       for (const CoarseLevel<D>& level : hierarchy.levels) {
         EXPECT_EQ(level.epsilon, 0);  // Voronoi-maximal, as the finest mesh is.
-        expect_certified(level, hierarchy.domain, options.lipschitz);
+        test::expect_certified(level, &hierarchy.domain, options.lipschitz);
       }
     }
 }
@@ -98,7 +58,7 @@ TEST(Coarsening, EveryDomainCoarsensInSpace) { every_domain_coarsens<3>(); }
 
 template <int D>
 void options_work() {
-  const Mesh<D> finest = mesh_of(domains::two_material_box<D>(), D == 2 ? 0.03 : 0.12);
+  const Mesh<D> finest = test::mesh_of(domains::two_material_box<D>(), D == 2 ? 0.03 : 0.12);
   for (const InitialSpacing initial : {InitialSpacing::kNearest, InitialSpacing::kMeanEdge})
     for (const CoarseningOrder order : {CoarseningOrder::kFront, CoarseningOrder::kCurve, CoarseningOrder::kRandom})
       for (const double growth : {1.3, 2.0}) {
@@ -108,9 +68,9 @@ void options_work() {
         options.initial = initial;
         options.order = order;
         const CoarseningHierarchy<D> hierarchy = coarsen(finest, options);
-        expect_nested(hierarchy, finest);
+        test::expect_nested(finest, hierarchy);
         for (const CoarseLevel<D>& level : hierarchy.levels)
-          expect_certified(level, hierarchy.domain, options.lipschitz);
+          test::expect_certified(level, &hierarchy.domain, options.lipschitz);
       }
 }
 TEST(Coarsening, OptionsWorkInThePlane) { options_work<2>(); }
@@ -120,7 +80,7 @@ TEST(Coarsening, OptionsWorkInSpace) { options_work<3>(); }
 template <int D>
 void first_level_keeps_its_part() {
   for (const Interior interior : {Interior::kLattice, Interior::kRandom}) {
-    const Mesh<D> finest = mesh_of(domains::unit_box<D>(), D == 2 ? 0.012 : 0.05, interior);
+    const Mesh<D> finest = test::mesh_of(domains::unit_box<D>(), D == 2 ? 0.012 : 0.05, interior);
     CoarseningOptions options;
     options.levels = 1;
     const CoarseningHierarchy<D> hierarchy = coarsen(finest, options);
@@ -136,7 +96,7 @@ TEST(Coarsening, FirstLevelKeepsItsPartInSpace) { first_level_keeps_its_part<3>(
 
 /// Shapes do not get worse from level to level (Theorem 4.1).
 TEST(Coarsening, ShapesDoNotDecay) {
-  const Mesh<2> finest = mesh_of(domains::unit_square(), 0.004, Interior::kRandom);
+  const Mesh<2> finest = test::mesh_of(domains::unit_square(), 0.004, Interior::kRandom);
   CoarseningOptions options;
   options.levels = 6;
   options.growth = 1.6;
@@ -153,7 +113,7 @@ TEST(Coarsening, ShapesDoNotDecay) {
 
 TEST(Coarsening, ThreadsDoNotMatter) {
   const test::AllowThreads allow(8);
-  const Mesh<3> finest = mesh_of(domains::l_shape<3>(), 0.15);
+  const Mesh<3> finest = test::mesh_of(domains::l_shape<3>(), 0.15);
   const auto run = [&](int threads) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     return coarsen(finest);
@@ -168,7 +128,7 @@ TEST(Coarsening, ThreadsDoNotMatter) {
 }
 
 TEST(Coarsening, BadOptionsAreRefused) {
-  const Mesh<2> mesh = mesh_of(domains::unit_square(), 0.3);
+  const Mesh<2> mesh = test::mesh_of(domains::unit_square(), 0.3);
   for (const auto& change : std::vector<std::function<void(CoarseningOptions&)>>{
            [](auto& o) { o.levels = 0; }, [](auto& o) { o.growth = 1; }, [](auto& o) { o.lipschitz = 0; },
            [](auto& o) { o.lipschitz = 1; }}) {

@@ -5,56 +5,29 @@
 #include <set>
 
 #include "support/cases.h"
+#include "support/level_checks.h"
 #include "voropack/coarsening.h"
 
 namespace voropack {
 namespace {
 
 template <int D>
-Mesh<D> mesh_of(const DomainInput<D>& input, double size, Interior interior = Interior::kLattice) {
-  MeshingOptions<D> options;
-  options.wishes.size = size;
-  options.packing.interior = interior;
-  return make_mesh(input, options).mesh;
-}
-
-template <int D>
-void expect_nested(const CoarseningHierarchy<D>& hierarchy, const Mesh<D>& finest) {
-  const Mesh<D>* finer = &finest;
-  for (const CoarseLevel<D>& level : hierarchy.levels) {
-    std::set<VertexId> seen;
-    for (const VertexId v : ids(level.mesh.points)) {
-      EXPECT_EQ(level.mesh.points[v], finer->points[level.finer_vertex[v]]);
-      EXPECT_TRUE(seen.insert(level.finer_vertex[v]).second);
-    }
-    finer = &level.mesh;
-  }
-}
-
-template <int D>
 void expect_certified(const CoarseningHierarchy<D>& hierarchy) {
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
-    const CoarseLevel<D>& level = hierarchy.levels[i];
-    CertificateOptions claims;
-    if (level.epsilon > 0) {
-      claims.form = PackingForm::kMaximal;
-      claims.epsilon = level.epsilon;
-    }
-    for (const Certificate::Check& check :
-         certify(level.mesh, build_control_volumes(level.mesh), &hierarchy.domain_of(i), claims).checks)
-      EXPECT_TRUE(check.ok) << "level " << i + 1 << ", " << check.name << ": " << check.where;
+    SCOPED_TRACE(i + 1);
+    test::expect_certified(hierarchy.levels[i], &hierarchy.domain_of(i));
   }
 }
 
 template <int D>
 void numbers_are_reached_from_below() {
-  const Mesh<D> finest = mesh_of(domains::two_material_box<D>(), D == 2 ? 0.04 : 0.12, Interior::kRandom);
+  const Mesh<D> finest = test::mesh_of(domains::two_material_box<D>(), D == 2 ? 0.04 : 0.12, Interior::kRandom);
   const std::size_t n = finest.points.size();
   CoarseningOptions options;
   options.target_vertices = {n / 3, n / 8};
   const CoarseningHierarchy<D> hierarchy = coarsen(finest, options);
   ASSERT_EQ(hierarchy.levels.size(), 2U);
-  expect_nested(hierarchy, finest);
+  test::expect_nested(finest, hierarchy);
   expect_certified(hierarchy);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_LE(hierarchy.levels[i].mesh.points.size(), options.target_vertices[i]);
@@ -68,7 +41,7 @@ TEST(Hierarchy, NumbersAreReachedFromBelowInSpace) { numbers_are_reached_from_be
 /// The box of two materials without its interface, from level 2 on.
 template <int D>
 void levels_take_boundaries_of_their_own() {
-  const Mesh<D> finest = mesh_of(domains::two_material_box<D>(), D == 2 ? 0.04 : 0.12);
+  const Mesh<D> finest = test::mesh_of(domains::two_material_box<D>(), D == 2 ? 0.04 : 0.12);
   DomainInput<D> box = domains::unit_box<D>();
   const Domain<D> two = build_domain(domains::two_material_box<D>());
   for (Vec<D>& x : box.points)
@@ -78,7 +51,7 @@ void levels_take_boundaries_of_their_own() {
   options.levels = 3;
   const CoarseningHierarchy<D> hierarchy = coarsen<D>(finest, boundaries, options);
   ASSERT_GE(hierarchy.levels.size(), 2U);
-  expect_nested(hierarchy, finest);
+  test::expect_nested(finest, hierarchy);
   expect_certified(hierarchy);
   const auto n_regions = [](const Mesh<D>& mesh) {
     return std::set<int>(mesh.simplex_region.begin(), mesh.simplex_region.end()).size();
@@ -92,7 +65,7 @@ TEST(Hierarchy, LevelsTakeBoundariesOfTheirOwnInThePlane) { levels_take_boundari
 TEST(Hierarchy, LevelsTakeBoundariesOfTheirOwnInSpace) { levels_take_boundaries_of_their_own<3>(); }
 
 TEST(Hierarchy, RefusesBoundariesThatDoNotFit) {
-  const Mesh<2> finest = mesh_of(domains::unit_square(), 0.1);
+  const Mesh<2> finest = test::mesh_of(domains::unit_square(), 0.1);
   const Domain<2> square = build_domain(domains::unit_square());
   DomainInput<2> moved = domains::unit_square();
   moved.points[0] = {-0.3, -0.1};
@@ -134,7 +107,7 @@ std::array<Vec<D>, D + 1> corners_of(const Mesh<D>& mesh, SimplexId s) {
 }
 
 TEST(Hierarchy, IntersectionsAreThoseOfPositiveArea) {
-  const Mesh<2> finest = mesh_of(domains::l_shape<2>(), 0.1, Interior::kRandom);
+  const Mesh<2> finest = test::mesh_of(domains::l_shape<2>(), 0.1, Interior::kRandom);
   CoarseningOptions options;
   options.levels = 2;
   const CoarseningHierarchy<2> hierarchy = coarsen(finest, options);
@@ -155,7 +128,7 @@ TEST(Hierarchy, IntersectionsAreThoseOfPositiveArea) {
 template <int D>
 void a_mesh_meets_itself_once() {
   CoarseLevel<D> level;
-  level.mesh = mesh_of(domains::l_shape<D>(), 0.4);  // A lattice: full of parallel edges.
+  level.mesh = test::mesh_of(domains::l_shape<D>(), 0.4);  // A lattice: full of parallel edges.
   for (const VertexId v : ids(level.mesh.points)) level.finer_vertex.push_back(v);
   for (const std::uint32_t n : count_intersections(level.mesh, level)) EXPECT_EQ(n, 1U);
 }
@@ -205,7 +178,7 @@ double common_depth(const std::array<Vec<3>, 4>& a, const std::array<Vec<3>, 4>&
 }
 
 TEST(Hierarchy, IntersectionsInSpaceHaveDepth) {
-  const Mesh<3> finest = mesh_of(domains::l_shape<3>(), 0.35, Interior::kRandom);
+  const Mesh<3> finest = test::mesh_of(domains::l_shape<3>(), 0.35, Interior::kRandom);
   CoarseningOptions options;
   options.levels = 1;
   const CoarseningHierarchy<3> hierarchy = coarsen(finest, options);

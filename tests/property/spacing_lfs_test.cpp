@@ -3,6 +3,7 @@
 
 #include "base/random.h"
 #include "support/plain_domain.h"
+#include "support/point_sets.h"
 #include "support/spacing_reference.h"
 #include "voropack/spacing.h"
 
@@ -19,7 +20,7 @@ void expect_lfs_equals_all_pairs(std::uint64_t seed, int cells) {
   const reference::AllPairs<D> all(domain);
   Random random(seed + 100);
   for (int i = 0; i < 200; ++i) {
-    const Vec<D> x = 1.5 * plain::random_point<D>(random);
+    const Vec<D> x = 1.5 * test::random_point<D>(random);
     const double expected = all.lfs(x);
     EXPECT_NEAR(lfs(x), expected, kRounding * expected);
   }
@@ -44,7 +45,7 @@ void expect_f_equals_all_pairs(std::uint64_t seed, int cells, double a, double b
   const reference::AllPairs<D> all(domain);
   Random random(seed + 100);
   for (int i = 0; i < 500; ++i) {
-    Vec<D> x = plain::random_point<D>(random);
+    Vec<D> x = test::random_point<D>(random);
     if (i % 10 == 0) x *= 1.5;
     const double expected = std::min(all.f(x, a, b), a * domain.diameter());
     EXPECT_NEAR(f(x), expected, kRounding * expected);
@@ -66,9 +67,9 @@ void expect_lipschitz(std::uint64_t seed) {
   const Spacing<D> f = build_spacing<D>(domain, {});
   Random random(seed);
   for (int i = 0; i < 20000; ++i) {
-    const Vec<D> x = 1.2 * plain::random_point<D>(random);
+    const Vec<D> x = 1.2 * test::random_point<D>(random);
     const double reach = std::pow(10.0, -4 * random.unit());
-    const Vec<D> y = x + reach * (plain::random_point<D>(random) - plain::random_point<D>(random));
+    const Vec<D> y = x + reach * (test::random_point<D>(random) - test::random_point<D>(random));
     const double fx = f(x);
     ASSERT_LE(std::abs(fx - f(y)), f.lipschitz() * distance(x, y) + 1e-14) << "seed " << seed;
   }

@@ -40,6 +40,15 @@ std::vector<Case<D>> all_cases() {
   return cases;
 }
 
+/// A mesh with edges of about this length.
+template <int D>
+Mesh<D> mesh_of(const DomainInput<D>& input, double size, Interior interior = Interior::kLattice) {
+  MeshingOptions<D> options;
+  options.wishes.size = size;
+  options.packing.interior = interior;
+  return make_mesh(input, options).mesh;
+}
+
 /// One way to fill a domain.
 struct Filling {
   std::string name;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/random.h"
+#include "support/point_sets.h"
 #include "voropack/domain.h"
 
 namespace voropack::plain {
@@ -111,13 +112,6 @@ Domain<D> unit_box() {
   return build.domain();
 }
 
-template <int D>
-Vec<D> random_point(Random& random) {
-  Vec<D> x;
-  for (int k = 0; k < D; ++k) x[k] = random.unit();
-  return x;
-}
-
 /// The unit box with points, segments and (3D) triangles in it, one in each cell of a grid, so that they do not meet.
 template <int D>
 Domain<D> random_features(std::uint64_t seed, int cells) {
@@ -131,7 +125,7 @@ Domain<D> random_features(std::uint64_t seed, int cells) {
   for (int k = 0; k < D; ++k) n *= cells;
   for (int c = 0; c < n; ++c) {
     const auto here = [&] {
-      Vec<D> x = random_point<D>(random);
+      Vec<D> x = test::random_point<D>(random);
       for (int k = 0, rest = c; k < D; ++k, rest /= cells) x[k] = (rest % cells + 0.1 + 0.8 * x[k]) / cells;
       return build.point(x);
     };

@@ -13,10 +13,11 @@
 
 namespace voropack::test {
 
+/// In the box between (lo, lo, ...) and (hi, hi, ...).
 template <int K>
-Vec<K> random_point(Random& random) {
+Vec<K> random_point(Random& random, double lo = 0, double hi = 1) {
   Vec<K> p;
-  for (int k = 0; k < K; ++k) p[k] = random.unit();
+  for (int k = 0; k < K; ++k) p[k] = lo + (hi - lo) * random.unit();
   return p;
 }
 

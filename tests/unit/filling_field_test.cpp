@@ -10,9 +10,12 @@
 #include "base/random.h"
 #include "spacing/affine_envelope.h"
 #include "support/cases.h"
+#include "support/point_sets.h"
 
 namespace voropack {
 namespace {
+
+using test::random_point;
 
 constexpr double kSlope = 0.25;
 
@@ -32,18 +35,8 @@ std::vector<double> cones(const Mesh<D>& mesh, double steepness, Random& random)
 }
 
 template <int D>
-Vec<D> random_point(Random& random, double begin, double end) {
-  Vec<D> x;
-  for (int k = 0; k < D; ++k) x[k] = begin + (end - begin) * random.unit();
-  return x;
-}
-
-template <int D>
 Mesh<D> random_mesh() {
-  MeshingOptions<D> options;
-  options.wishes.size = D == 2 ? 0.1 : 0.25;
-  options.packing.interior = Interior::kRandom;
-  return make_mesh(domains::unit_box<D>(), options).mesh;
+  return test::mesh_of(domains::unit_box<D>(), D == 2 ? 0.1 : 0.25, Interior::kRandom);
 }
 
 template <int D>

@@ -4,21 +4,14 @@
 #include <algorithm>
 #include <set>
 
-#include "base/random.h"
 #include "spheres/movable_mesh.h"
+#include "support/point_sets.h"
 #include "voropack/delaunay.h"
 
 namespace voropack {
 namespace {
 
-template <int D>
-std::vector<Vec<D>> random_points(std::size_t n, std::uint64_t seed) {
-  Random random(seed);
-  std::vector<Vec<D>> points(n);
-  for (Vec<D>& x : points)
-    for (int k = 0; k < D; ++k) x[k] = random.unit();
-  return points;
-}
+using test::random_points;
 
 /// The simplices as sets of points.
 template <int D>

@@ -8,6 +8,7 @@
 
 #include "base/random.h"
 #include "geom/predicates.h"
+#include "support/point_sets.h"
 #include "voropack/delaunay.h"
 #include "voropack/error.h"
 
@@ -106,15 +107,6 @@ void accepts_what_is_delaunay(const std::vector<Vec<D>>& points, int least_accep
   EXPECT_GE(n_refused, least_refused);
 }
 
-template <int D>
-std::vector<Vec<D>> random_points(std::size_t n) {
-  Random random(2);
-  std::vector<Vec<D>> points(n);
-  for (Vec<D>& x : points)
-    for (int axis = 0; axis < D; ++axis) x[axis] = random.unit();
-  return points;
-}
-
 /// Every cell has its corners on a sphere.
 template <int D>
 std::vector<Vec<D>> grid_points(int n) {
@@ -128,11 +120,11 @@ std::vector<Vec<D>> grid_points(int n) {
 }
 
 TEST(RequireDelaunay, AcceptsWhatIsDelaunayInThePlane) {
-  accepts_what_is_delaunay<2>(random_points<2>(60), 300, 30);
+  accepts_what_is_delaunay<2>(test::random_points<2>(60, 2), 300, 30);
   accepts_what_is_delaunay<2>(grid_points<2>(6), 5, 300);  // What moves leaves a circle.
 }
 TEST(RequireDelaunay, AcceptsWhatIsDelaunayInSpace) {
-  accepts_what_is_delaunay<3>(random_points<3>(60), 300, 30);
+  accepts_what_is_delaunay<3>(test::random_points<3>(60, 2), 300, 30);
   accepts_what_is_delaunay<3>(grid_points<3>(4), 5, 300);
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "certificate/sharp_features.h"
+#include "support/cases.h"
 #include "support/sharp_domains.h"
 
 namespace voropack {
@@ -19,13 +20,6 @@ judge::SharpFeatures<D> features_of(const Mesh<D>& mesh) {
   const judge::Topology<D> topology(mesh, faults, silent_observer());
   EXPECT_EQ(faults.violations, 0U);
   return judge::SharpFeatures<D>(mesh, topology);
-}
-
-template <int D>
-Mesh<D> mesh_of(const DomainInput<D>& input, double size) {
-  MeshingOptions<D> options;
-  options.wishes.size = size;
-  return make_mesh(input, options).mesh;
 }
 
 /// A wedge's vertices by place: 1 inside the page z = 0, 2 inside the other page, 4 on the spine, 0 elsewhere.
@@ -59,7 +53,7 @@ void expect_wedge(const Mesh<3>& mesh, double angle) {
 
 TEST(SharpFeatures, OfAWedge) {
   for (const double degrees : {10.0, 30.0, 55.0}) {
-    Mesh<3> mesh = mesh_of(sharp::wedge(degrees).input, 0.2);
+    Mesh<3> mesh = test::mesh_of(sharp::wedge(degrees).input, 0.2);
     expect_wedge(mesh, sharp::radians(degrees));
     // Files need not list segments' edges, nor what carries a vertex.
     mesh.segment_edges.clear();
@@ -75,7 +69,7 @@ TEST(SharpFeatures, OfAWedge) {
 }
 
 TEST(SharpFeatures, OfAFan) {
-  const Mesh<2> mesh = mesh_of(sharp::fan(3, 10).input, 0.1);
+  const Mesh<2> mesh = test::mesh_of(sharp::fan(3, 10).input, 0.1);
   const judge::SharpFeatures<2> features = features_of(mesh);
   // By the segment of the fan that holds a vertex, its ends excluded.
   std::array<std::vector<std::uint32_t>, 3> on;
@@ -109,7 +103,7 @@ TEST(SharpFeatures, NothingIsSharpAtSixtyDegreesAndMore) {
 
 /// A regular tetrahedron's edges meet the opposite facets at 54.7 degrees: a segment and a facet are sharp, too.
 TEST(SharpFeatures, OfASegmentAndAFacet) {
-  const Mesh<3> mesh = mesh_of(domains::regular_simplex<3>(), 0.15);
+  const Mesh<3> mesh = test::mesh_of(domains::regular_simplex<3>(), 0.15);
   const judge::SharpFeatures<3> features = features_of(mesh);
   EXPECT_FALSE(features.empty());
   const double angle = std::atan(std::sqrt(2.0));

@@ -9,6 +9,7 @@
 #include "spacing/affine_envelope.h"
 #include "support/allow_threads.h"
 #include "support/plain_domain.h"
+#include "support/point_sets.h"
 #include "support/spacing_reference.h"
 #include "voropack/spacing.h"
 
@@ -23,7 +24,7 @@ template <int D>
 std::vector<Vec<D>> probes(int n, double scale = 1) {
   Random random(5);
   std::vector<Vec<D>> x;
-  for (int i = 0; i < n; ++i) x.push_back(scale * plain::random_point<D>(random));
+  for (int i = 0; i < n; ++i) x.push_back(scale * test::random_point<D>(random));
   return x;
 }
 
@@ -128,12 +129,12 @@ void expect_envelope(std::uint64_t seed, double slope, double steepness) {
   std::array<Vec<D>, D + 1> corner;
   std::array<double, D + 1> value;
   for (std::size_t i = 0; i <= D; ++i) {
-    corner[i] = plain::random_point<D>(random);
+    corner[i] = test::random_point<D>(random);
     value[i] = 1 + steepness * random.unit();
   }
   constexpr int kGrid = D == 2 ? 120 : 40;
   for (int trial = 0; trial < 5; ++trial) {
-    Vec<D> x = plain::random_point<D>(random);
+    Vec<D> x = test::random_point<D>(random);
     for (int k = 0; k < D; ++k) x[k] = 2 * x[k] - 0.5;
     double sampled = reference::kInfinity;
     for (int i = 0; i <= kGrid; ++i) {
@@ -254,13 +255,13 @@ TEST(Spacing, KnownConstantsAreRight) {
   Random random(1);
   int n_known = 0;
   for (int i = 0; i < 300; ++i) {
-    const Vec<3> lo = 0.9 * plain::random_point<3>(random);
-    const Vec<3> size = 0.1 * plain::random_point<3>(random);
+    const Vec<3> lo = 0.9 * test::random_point<3>(random);
+    const Vec<3> size = 0.1 * test::random_point<3>(random);
     const auto constant = f.constant_on({lo, lo + size});
     if (!constant) continue;
     ++n_known;
     for (int j = 0; j < 20; ++j) {
-      const Vec<3> t = plain::random_point<3>(random);
+      const Vec<3> t = test::random_point<3>(random);
       ASSERT_EQ(f(lo + Vec<3>{t[0] * size[0], t[1] * size[1], t[2] * size[2]}), *constant);
     }
   }

@@ -11,16 +11,12 @@
 #include "spheres/independent_set.h"
 #include "spheres/lattice.h"
 #include "spheres/sphere_set.h"
+#include "support/point_sets.h"
 
 namespace voropack {
 namespace {
 
-template <int K>
-Vec<K> random_point(Random& random, double lo = 0, double hi = 1) {
-  Vec<K> x;
-  for (int k = 0; k < K; ++k) x[k] = lo + (hi - lo) * random.unit();
-  return x;
-}
+using test::random_point;
 
 /// A Lipschitz function that spans three orders of magnitude over the unit box.
 template <int K>

@@ -6,16 +6,12 @@
 #include "base/random.h"
 #include "geom/wall_locator.h"
 #include "support/domains.h"
+#include "support/point_sets.h"
 
 namespace voropack {
 namespace {
 
-template <int D>
-Vec<D> random_point(Random& random, double lo, double hi) {
-  Vec<D> x;
-  for (int k = 0; k < D; ++k) x[k] = lo + (hi - lo) * random.unit();
-  return x;
-}
+using test::random_point;
 
 /// Nested boxes, the i-th with region i inside, rotated; every other simplex listed the other way round.
 template <int D>
