@@ -32,6 +32,7 @@ class DisjointSets {
   }
 
   void join(std::uint32_t a, std::uint32_t b) {
+    if (load(a) == load(b)) return;  // Mostly, once sets are large.
     for (;;) {
       a = find(a);
       b = find(b);

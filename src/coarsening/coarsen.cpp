@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "base/parallel.h"
@@ -13,6 +14,7 @@
 #include "coarsening/level_packer.h"
 #include "coarsening/prolongation.h"
 #include "coarsening/require_delaunay.h"
+#include "coarsening/spacing_limit.h"
 #include "geom/box_tree.h"
 #include "geom/circumcenter.h"
 #include "voropack/coarsening.h"
@@ -93,7 +95,7 @@ class Coarsener {
     FineMesh<D> fine;
     Spacing<D> spacing;
     std::vector<SpacingCap<D>> caps;
-    Field limit;  ///< The spacing with the caps, at the vertices.
+    std::optional<SpacingLimit<D>> limit;  ///< The spacing with the caps.
   };
 
   void add_ground(const Mesh<D>& mesh, PlacedMesh<D> placed) {
@@ -112,10 +114,8 @@ class Coarsener {
   [[nodiscard]] const FineMesh<D>& fine() const { return ground_->fine; }
 
   void find_limit() {
-    const Spacing<D> spacing = ground_->caps.empty() ? ground_->spacing : ground_->spacing.with_caps(ground_->caps);
-    Field& limit = ground_->limit;
-    limit.resize(fine().mesh.points.size());
-    parallel_for(limit.size(), [&](std::size_t v) { limit[VertexId(v)] = spacing(fine().mesh.points[VertexId(v)]); });
+    ground_->limit.emplace(fine(),
+                           ground_->caps.empty() ? ground_->spacing : ground_->spacing.with_caps(ground_->caps));
   }
 
   /// growth^i f_0, made Lipschitz, for i = 1 .. levels.
@@ -277,7 +277,7 @@ class Coarsener {
       Field f(grown.size());
       parallel_for(f.size(), [&](std::size_t i) {
         const VertexId v(i);
-        f[v] = std::min(std::max(fine().floor[v], std::min(grown[v], ground_->limit[v])), fitted_[v]);
+        f[v] = std::min(std::max(fine().floor[v], (*ground_->limit)(v, grown[v])), fitted_[v]);
       });
       PackedLevel<D> level = pack_level(fine(), f, is_kept_, observer_);
       if (level.faults.empty()) {

@@ -144,9 +144,17 @@ class Completer {
   /// For each sphere those that are not adjacent, but that it might get to overlap while radii rise up to `most`.
   ///
   /// Those with no larger a radius lie in a ball about its center, twice as large. All vertices in there are found
-  /// along edges that do not leave it: each has a neighbor that is nearer to the center.
+  /// along edges that do not leave it: each has a neighbor that is nearer to the center. Mostly there is nothing to
+  /// find. Where s and t are not adjacent, the ball with the diameter st holds a neighbor u of s, which sees st at no
+  /// acute angle: |st|^2 >= |su|^2 + |ut|^2 >= g_s^2 + g_t^2, with the distances g from the nearest neighbors. So
+  /// spheres with m_t <= m_s overlap only if 4 m_s^2 > g_s^2; and if no m exceeds g, which takes a sharp feature, only
+  /// if (m_s + m_t)^2 > g_s^2 + m_t^2, hence 3 m_s^2 > g_s^2.
   [[nodiscard]] Csr<SphereId, SphereId> spheres_in_the_way(const std::vector<double>& most) const {
     const std::size_t n = most.size();
+    const std::vector<double> nearest_sq = nearest_neighbors_sq();
+    bool is_crowded = false;
+    for (std::size_t s = 0; s < n; ++s) is_crowded |= most[s] * most[s] > nearest_sq[s];
+    const double factor = (is_crowded ? 4 : 3) * (1 + kSlack);
     struct Search {
       std::vector<std::uint32_t> mark;
       std::vector<SphereId> queue;
@@ -157,6 +165,7 @@ class Completer {
     const Csr<SphereId, SphereId> smaller = build_rows<SphereId, SphereId>(
         n,
         [&](SphereId s, std::vector<SphereId>& row) {
+          if (factor * most[s.value()] * most[s.value()] <= nearest_sq[s.value()]) return;
           auto& [mark, queue] = searches.local();
           const double mine = most[s.value()], reach = 2 * mine * (1 + kSlack);
           const auto distance_to = [&](SphereId t) { return distance(packing_.center[s], packing_.center[t]); };
@@ -190,6 +199,16 @@ class Completer {
       result.offsets.push_back(result.values.size());
     }
     return result;
+  }
+
+  [[nodiscard]] std::vector<double> nearest_neighbors_sq() const {
+    std::vector<double> nearest_sq(packing_.center.size(), std::numeric_limits<double>::infinity());
+    parallel_for(nearest_sq.size(), [&](std::size_t i) {
+      const SphereId s(along_curve_[i]);
+      for (const SphereId t : adjacent_[s])
+        nearest_sq[s.value()] = std::min(nearest_sq[s.value()], distance_sq(packing_.center[s], packing_.center[t]));
+    });
+    return nearest_sq;
   }
 
   [[nodiscard]] bool are_sharp(SphereId s, SphereId t) const {

@@ -140,6 +140,8 @@ SparseMatrix barycentric_prolongation(const Mesh<D>& coarse, const Mesh<D>& fine
       [&](std::size_t block) {
         SimplexId at(0);
         const std::size_t begin = block * kBlock, end = std::min(n, begin + kBlock);
+        parts[block].entries.reserve((D + 1) * kBlock);
+        parts[block].counts.reserve(kBlock);
         for (std::size_t v = begin; v < end; ++v)  // A coarse vertex that is near the first one.
           if (!coarse_of[v].is_none()) {
             at = simplex_of[coarse_of[v].value()];
@@ -159,7 +161,11 @@ SparseMatrix barycentric_prolongation(const Mesh<D>& coarse, const Mesh<D>& fine
       },
       1);
   SparseMatrix result;
+  std::size_t n_entries = 0;
+  for (const Part& part : parts) n_entries += part.entries.size();
   result.offsets.reserve(n + 1);
+  result.columns.reserve(n_entries);
+  result.values.reserve(n_entries);
   for (const Part& part : parts) {
     for (const std::uint32_t count : part.counts) result.offsets.push_back(result.offsets.back() + count);
     for (const Entry& entry : part.entries) {

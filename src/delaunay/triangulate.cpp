@@ -32,16 +32,11 @@ Triangulation<D> triangulate_regions(const Domain<D>& domain, const Packing<D>& 
 /// Vertices along a Hilbert curve: position in the mesh by sphere.
 template <int D>
 std::vector<std::uint32_t> vertex_order(const Packing<D>& packing) {
-  const std::size_t n = packing.center.size();
   Box<D> box;
   for (const Vec<D>& x : packing.center) box.add(x);
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(n);
-  parallel_for(n, [&](std::size_t i) {
-    keys[i] = {hilbert_key<D>(packing.center[SphereId(i)], box), static_cast<std::uint32_t>(i)};
-  });
-  parallel_sort(keys.begin(), keys.end());
-  std::vector<std::uint32_t> order(n);
-  parallel_for(n, [&](std::size_t v) { order[keys[v].second] = static_cast<std::uint32_t>(v); });
+  const std::vector<std::uint32_t> sphere_at = hilbert_order<D>(packing.center.raw(), box);
+  std::vector<std::uint32_t> order(sphere_at.size());
+  parallel_for(order.size(), [&](std::size_t v) { order[sphere_at[v]] = static_cast<std::uint32_t>(v); });
   return order;
 }
 

@@ -62,28 +62,86 @@ struct CurveTable {
   }
 };
 
+/// The same for several levels at a time: a step takes so many bits of each axis.
 template <int K>
-constexpr CurveTable<K> kCurve{};
+struct StepTable {
+  static constexpr unsigned kLevels = 6 / K;
+  static constexpr unsigned kCells = 1U << (K * kLevels);
+  struct Step {
+    std::uint8_t place, next;
+  };
+  /// State, and the bits of each axis, those of axis 0 lowest -> the place on the curve, and the state inside.
+  std::array<std::array<Step, kCells>, CurveTable<K>::kStates> steps{};
 
-/// Sorts `keyed` by key, then index: by bytes for many keys.
-void sort_keyed(std::vector<Keyed>& keyed) {
+  constexpr StepTable() {
+    const CurveTable<K> curve;
+    for (unsigned first = 0; first < CurveTable<K>::kStates; ++first)
+      for (unsigned cell = 0; cell < kCells; ++cell) {
+        unsigned place = 0, state = first;
+        for (unsigned level = kLevels; level-- > 0;) {
+          unsigned octant = 0;
+          for (unsigned axis = 0; axis < K; ++axis) octant |= ((cell >> (axis * kLevels + level)) & 1U) << axis;
+          place = place << static_cast<unsigned>(K) | curve.place[state][octant];
+          state = curve.next[state][octant];
+        }
+        steps[first][cell] = {static_cast<std::uint8_t>(place), static_cast<std::uint8_t>(state)};
+      }
+  }
+};
+
+template <int K>
+constexpr StepTable<K> kStepTable{};
+
+/// The digits of a radix sort.
+constexpr unsigned kDigitBits = 12;
+constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
+
+/// From `from` to `to` by one digit of the keys; where it is equal, the order stays. In parallel.
+void sort_by_digit(std::span<const Keyed> from, std::span<Keyed> to, unsigned shift) {
+  constexpr std::size_t kBlock = 1U << 18U;
+  const std::size_t n_blocks = (from.size() + kBlock - 1) / kBlock;
+  const auto for_blocks = [&](auto&& fn) {
+    parallel_for(
+        n_blocks,
+        [&](std::size_t block) {
+          for (const Keyed& k : from.subspan(block * kBlock, std::min(kBlock, from.size() - block * kBlock)))
+            fn(block, k, (k.key >> shift) % kDigits);
+        },
+        1);
+  };
+  std::vector<std::array<std::uint32_t, kDigits>> next(n_blocks);
+  for_blocks([&](std::size_t block, const Keyed&, std::size_t digit) { ++next[block][digit]; });
+  std::uint32_t sum = 0;
+  for (std::size_t digit = 0; digit < kDigits; ++digit)
+    for (auto& of_block : next) sum += std::exchange(of_block[digit], sum);
+  for_blocks([&](std::size_t block, const Keyed& k, std::size_t digit) { to[next[block][digit]++] = k; });
+}
+
+/// Sorts by key, then index; indices ascend at first. `n_bits`: of the keys, those that are not all equal.
+void sort_keyed(std::span<Keyed> keyed, unsigned n_bits) {
   constexpr std::size_t kEnoughForRadix = 1U << 14U;
-  constexpr unsigned kDigitBits = 12;
-  constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
-  if (keyed.size() < kEnoughForRadix) {
-    std::sort(keyed.begin(), keyed.end());
+  if (std::ranges::is_sorted(keyed)) return;
+  if (keyed.size() < kEnoughForRadix || n_bits == 0) {
+    std::ranges::sort(keyed);
     return;
   }
-  // Stable passes from the lowest digit. Indices ascend at first, so ties stay ordered by index.
+  // By the first digits only, the lower one first. Few have both in common.
+  const unsigned shift = n_bits - std::min(n_bits, 2 * kDigitBits);
   std::vector<Keyed> other(keyed.size());
-  for (unsigned shift = 0; shift < 60; shift += kDigitBits) {
-    std::array<std::size_t, kDigits> start{};
-    for (const Keyed& k : keyed) ++start[(k.key >> shift) % kDigits];
-    std::size_t sum = 0;
-    for (std::size_t& s : start) sum += std::exchange(s, sum);
-    for (const Keyed& k : keyed) other[start[(k.key >> shift) % kDigits]++] = k;
-    keyed.swap(other);
+  sort_by_digit(keyed, other, shift);
+  sort_by_digit(other, keyed, shift + kDigitBits);
+  for (auto first = keyed.begin(); first != keyed.end();) {
+    const auto last =
+        std::find_if(first, keyed.end(), [&](const Keyed& k) { return (k.key ^ first->key) >> shift != 0; });
+    if (last - first > 1) sort_keyed({first, last}, shift);
+    first = last;
   }
+}
+
+std::vector<std::uint32_t> indices_of(const std::vector<Keyed>& keyed) {
+  std::vector<std::uint32_t> indices(keyed.size());
+  for (std::size_t i = 0; i < keyed.size(); ++i) indices[i] = keyed[i].index;
+  return indices;
 }
 
 template <int K>
@@ -97,7 +155,7 @@ class Sorter {
     const auto same_key = [](const Keyed& a, const Keyed& b) { return a.key == b.key; };
     // One point many times, or differences too small or too large to scale: no finer curve helps.
     if (std::equal(keyed.begin(), keyed.end() - 1, keyed.begin() + 1, same_key)) return;
-    sort_keyed(keyed);
+    sort_keyed(keyed, K * kHilbertBits<K>);
     for (auto first = keyed.begin(); first != keyed.end();) {
       const auto last = std::find_if(first, keyed.end(), [&](const Keyed& k) { return !same_key(k, *first); });
       if (last - first > kLongestTie) refine(first, last);
@@ -138,13 +196,18 @@ class Sorter {
 
 template <int K>
 std::uint64_t hilbert_key(const std::array<std::uint32_t, K>& cell) {
+  constexpr unsigned kLevels = StepTable<K>::kLevels;
+  static_assert(kHilbertBits<K> % kLevels == 0);
   std::uint64_t key = 0;
   unsigned state = 0;
-  for (int level = kHilbertBits<K> - 1; level >= 0; --level) {
-    unsigned octant = 0;
-    for (unsigned axis = 0; axis < K; ++axis) octant |= ((cell[axis] >> static_cast<unsigned>(level)) & 1U) << axis;
-    key = key << static_cast<unsigned>(K) | kCurve<K>.place[state][octant];
-    state = kCurve<K>.next[state][octant];
+  for (unsigned level = kHilbertBits<K>; level > 0;) {
+    level -= kLevels;
+    unsigned bits = 0;
+    for (unsigned axis = 0; axis < K; ++axis)
+      bits |= ((cell[axis] >> level) & ((1U << kLevels) - 1)) << (axis * kLevels);
+    const auto step = kStepTable<K>.steps[state][bits];
+    key = key << (K * kLevels) | step.place;
+    state = step.next;
   }
   return key;
 }
@@ -166,9 +229,17 @@ std::vector<std::uint32_t> hilbert_order(std::span<const Vec<K>> points) {
   std::vector<Keyed> keyed(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) keyed[i] = {0, static_cast<std::uint32_t>(i)};
   if (!keyed.empty()) Sorter<K>(points).sort(keyed);
-  std::vector<std::uint32_t> order(keyed.size());
-  for (std::size_t i = 0; i < keyed.size(); ++i) order[i] = keyed[i].index;
-  return order;
+  return indices_of(keyed);
+}
+
+template <int K>
+std::vector<std::uint32_t> hilbert_order(std::span<const Vec<K>> points, const Box<K>& box) {
+  std::vector<Keyed> keyed(points.size());
+  parallel_for(points.size(), [&](std::size_t i) {
+    keyed[i] = {hilbert_key<K>(points[i], box), static_cast<std::uint32_t>(i)};
+  });
+  sort_keyed(keyed, K * kHilbertBits<K>);
+  return indices_of(keyed);
 }
 
 std::vector<std::uint32_t> insertion_rounds(std::size_t n) {
@@ -194,5 +265,7 @@ template std::uint64_t hilbert_key<2>(const Vec<2>&, const Box<2>&);
 template std::uint64_t hilbert_key<3>(const Vec<3>&, const Box<3>&);
 template std::vector<std::uint32_t> hilbert_order<2>(std::span<const Vec<2>>);
 template std::vector<std::uint32_t> hilbert_order<3>(std::span<const Vec<3>>);
+template std::vector<std::uint32_t> hilbert_order<2>(std::span<const Vec<2>>, const Box<2>&);
+template std::vector<std::uint32_t> hilbert_order<3>(std::span<const Vec<3>>, const Box<3>&);
 
 }  // namespace voropack

@@ -29,6 +29,10 @@ std::uint64_t hilbert_key(const Vec<K>& x, const Box<K>& box);
 template <int K>
 std::vector<std::uint32_t> hilbert_order(std::span<const Vec<K>> points);
 
+/// The indices of `points` by `hilbert_key` in `box`; equal keys by index. In parallel. O(n) but for clusters.
+template <int K>
+std::vector<std::uint32_t> hilbert_order(std::span<const Vec<K>> points, const Box<K>& box);
+
 /// A biased randomized insertion order (Amenta, Choi, Rote, SoCG 2003) of n points that are sorted along a Hilbert
 /// curve: the numbers 0 .. n - 1 in rounds, ascending in each. A round holds about eight times as many points as all
 /// before, chosen by a hash of the number. An early round spreads over the whole box, so no later insertion meets

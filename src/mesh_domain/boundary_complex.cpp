@@ -8,7 +8,6 @@
 
 #include "base/disjoint_sets.h"
 #include "mesh/faces.h"
-#include "mesh_domain/simplex_blocks.h"
 
 namespace voropack {
 
@@ -33,28 +32,18 @@ class FaceRegions {
   using Pair = std::array<int, 2>;
   static constexpr int kNoRegion = std::numeric_limits<int>::min();
 
-  explicit FaceRegions(const Mesh<D>& mesh) : pairs_(mesh.boundary_vertices.size(), Pair{kNoRegion, kNoRegion}) {
-    std::vector<std::uint8_t> on_boundary(mesh.points.size(), 0);
-    std::map<std::array<VertexId, D>, std::uint32_t> face_of;
-    for (const BoundaryId f : ids(mesh.boundary_vertices)) {
-      for (const VertexId v : mesh.boundary_vertices[f]) on_boundary[v.value()] = 1;
-      face_of.emplace(sorted(mesh.boundary_vertices[f]), f.value());
-    }
+  FaceRegions(const Mesh<D>& mesh, const BoundaryZone<D>& zone)
+      : pairs_(mesh.boundary_vertices.size(), Pair{kNoRegion, kNoRegion}) {
     struct Side {
       std::uint32_t face;
       int region;
     };
     const auto find_sides = [&](SimplexId s, std::vector<Side>& sides) {
-      const auto& corners = mesh.simplex_vertices[s];
-      if (std::ranges::count_if(corners, [&](VertexId v) { return on_boundary[v.value()] != 0; }) < D) return;
-      for (int i = 0; i <= D; ++i) {
-        const std::array<VertexId, D> face = face_vertices<D>(mesh, s, i);
-        if (std::ranges::any_of(face, [&](VertexId v) { return on_boundary[v.value()] == 0; })) continue;
-        if (const auto it = face_of.find(sorted(face)); it != face_of.end())
-          sides.push_back({it->second, mesh.simplex_region[s]});
-      }
+      for (int i = 0; i <= D; ++i)
+        if (const std::uint32_t f = zone.faces.find(face_vertices<D>(mesh, s, i)); f != zone.faces.kAbsent)
+          sides.push_back({f, mesh.simplex_region[s]});
     };
-    for (const Side& side : collect_from_simplices<Side>(mesh, find_sides)) {
+    for (const Side& side : zone.template collect<Side>(find_sides)) {
       Pair& pair = pairs_[side.face];
       pair[pair[0] == kNoRegion ? 0 : 1] = side.region;
       if (pair[1] != kNoRegion && pair[1] < pair[0]) std::swap(pair[0], pair[1]);
@@ -63,10 +52,6 @@ class FaceRegions {
   [[nodiscard]] const Pair& operator[](std::size_t face) const { return pairs_[face]; }
 
  private:
-  static std::array<VertexId, D> sorted(std::array<VertexId, D> face) {
-    std::sort(face.begin(), face.end());
-    return face;
-  }
   std::vector<Pair> pairs_;
 };
 
@@ -80,7 +65,8 @@ struct FeatureEdge {
 template <int D>
 class ComplexFinder {
  public:
-  ComplexFinder(const Mesh<D>& mesh, double tolerance) : mesh_(mesh), tolerance_(tolerance), regions_(mesh) {}
+  ComplexFinder(const Mesh<D>& mesh, const BoundaryZone<D>& zone, double tolerance)
+      : mesh_(mesh), tolerance_(tolerance), regions_(mesh, zone) {}
 
   BoundaryComplex<D> run() {
     if constexpr (D == 3) {
@@ -326,11 +312,11 @@ class ComplexFinder {
 }  // namespace
 
 template <int D>
-BoundaryComplex<D> find_boundary_complex(const Mesh<D>& mesh, double tolerance) {
-  return ComplexFinder<D>(mesh, tolerance).run();
+BoundaryComplex<D> find_boundary_complex(const Mesh<D>& mesh, const BoundaryZone<D>& zone, double tolerance) {
+  return ComplexFinder<D>(mesh, zone, tolerance).run();
 }
 
-template BoundaryComplex<2> find_boundary_complex(const Mesh<2>&, double);
-template BoundaryComplex<3> find_boundary_complex(const Mesh<3>&, double);
+template BoundaryComplex<2> find_boundary_complex(const Mesh<2>&, const BoundaryZone<2>&, double);
+template BoundaryComplex<3> find_boundary_complex(const Mesh<3>&, const BoundaryZone<3>&, double);
 
 }  // namespace voropack

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "mesh_domain/boundary_zone.h"
 #include "voropack/mesh.h"
 
 namespace voropack {
@@ -34,6 +35,6 @@ struct BoundaryComplex {
 
 /// `tolerance`: what is this near to a line or plane lies on it. Length.
 template <int D>
-BoundaryComplex<D> find_boundary_complex(const Mesh<D>& mesh, double tolerance);
+BoundaryComplex<D> find_boundary_complex(const Mesh<D>& mesh, const BoundaryZone<D>& zone, double tolerance);
 
 }  // namespace voropack

@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "base/disjoint_sets.h"
 #include "base/parallel.h"
 #include "geom/tolerance.h"
 #include "mesh/faces.h"
 #include "mesh_domain/boundary_complex.h"
-#include "mesh_domain/simplex_blocks.h"
+#include "mesh_domain/boundary_zone.h"
 
 namespace voropack {
 
@@ -22,11 +24,11 @@ constexpr double kSeedOffset = 1e-3;
 template <int D>
 class DomainMaker {
  public:
-  explicit DomainMaker(const Mesh<D>& mesh) : mesh_(mesh) {
+  explicit DomainMaker(const Mesh<D>& mesh) : mesh_(mesh), zone_(mesh) {
     Box<D> box;
     for (const Vec<D>& x : mesh.points) box.add(x);
     tolerance_ = absolute_tolerance(box, kOnTolerance);
-    complex_ = find_boundary_complex(mesh, tolerance_);
+    complex_ = find_boundary_complex(mesh, zone_, tolerance_);
   }
 
   MeshDomain<D> run(Observer& observer) {
@@ -150,18 +152,20 @@ class DomainMaker {
     return {point_of_.at(chain.vertices.front()), point_of_.at(chain.vertices.back())};
   }
 
-  /// One seed in each part of the mesh that boundary faces enclose: in its largest simplex.
+  /// One seed in each part of the mesh that boundary faces enclose: in a large simplex.
   void add_region_seeds(DomainInput<D>& input) const {
     for (const Part& part : find_parts()) {
       Vec<D> center;
-      for (const VertexId v : mesh_.simplex_vertices[part.largest]) center += mesh_.points[v] / (D + 1.0);
-      input.region_seeds.push_back({center, mesh_.simplex_region[part.largest], std::nullopt});
+      for (const VertexId v : mesh_.simplex_vertices[part.large]) center += mesh_.points[v] / (D + 1.0);
+      input.region_seeds.push_back({center, mesh_.simplex_region[part.large], std::nullopt});
     }
   }
 
   struct Part {
-    SimplexId first, largest;  ///< The first ones of it.
-    double size = 0;           ///< Of the largest one.
+    SimplexId first;
+    SimplexId large;  ///< The largest of some, or of all if they are few.
+    double size = 0;  ///< Of that one.
+    int n_measured = 0;
   };
 
   /// The face of a simplex opposite to a corner.
@@ -175,25 +179,19 @@ class DomainMaker {
   /// All simplices around a vertex off the walls are in one part, and only those between walls stand for themselves. So
   /// only across faces with all corners on walls it has to be seen whether there is one.
   [[nodiscard]] std::vector<Part> find_parts() const {
-    std::set<std::array<VertexId, D>> walls;
-    std::vector<std::uint8_t> on_wall(mesh_.points.size(), 0);
-    for (std::array<VertexId, D> face : mesh_.boundary_vertices) {
-      for (const VertexId v : face) on_wall[v.value()] = 1;
-      std::sort(face.begin(), face.end());
-      walls.insert(face);
-    }
-    const auto is_off = [&](VertexId v) { return on_wall[v.value()] == 0; };
+    const std::size_t n = mesh_.points.size();
+    const auto is_off = [&](VertexId v) { return zone_.is_on[v.value()] == 0; };
     const std::vector<Crossing> crossings = faces_on_walls(is_off);
     std::map<SimplexId, std::uint32_t> between_walls;
     for (const Crossing& crossing : crossings)
       if (std::ranges::none_of(mesh_.simplex_vertices[crossing.simplex], is_off))
-        between_walls.emplace(crossing.simplex, static_cast<std::uint32_t>(on_wall.size() + between_walls.size()));
+        between_walls.emplace(crossing.simplex, static_cast<std::uint32_t>(n + between_walls.size()));
     const auto member = [&](SimplexId s) {
       const auto& corners = mesh_.simplex_vertices[s];
       const auto off = std::ranges::find_if(corners, is_off);
       return off != corners.end() ? off->value() : between_walls.at(s);
     };
-    DisjointSets sets(on_wall.size() + between_walls.size());
+    DisjointSets sets(n + between_walls.size());
     parallel_for(mesh_.simplex_vertices.size(), [&](std::size_t s) {
       const auto& corners = mesh_.simplex_vertices[SimplexId(s)];
       const auto first = std::ranges::find_if(corners, is_off);
@@ -202,9 +200,8 @@ class DomainMaker {
     });
     for (const auto& [s, corner] : crossings) {
       const SimplexId t = neighbor_in_region(mesh_, s, corner);
-      std::array<VertexId, D> face = face_vertices<D>(mesh_, s, corner);
-      std::sort(face.begin(), face.end());
-      if (!t.is_none() && !walls.contains(face)) sets.join(member(s), member(t));
+      const bool is_wall = zone_.faces.find(face_vertices<D>(mesh_, s, corner)) != zone_.faces.kAbsent;
+      if (!t.is_none() && !is_wall) sets.join(member(s), member(t));
     }
     return list_parts([&](SimplexId s) { return sets.find(member(s)); });
   }
@@ -212,10 +209,9 @@ class DomainMaker {
   /// Those with no corner off the walls.
   template <class IsOff>
   [[nodiscard]] std::vector<Crossing> faces_on_walls(IsOff&& is_off) const {
-    return collect_from_simplices<Crossing>(mesh_, [&](SimplexId s, std::vector<Crossing>& out) {
+    return zone_.template collect<Crossing>([&](SimplexId s, std::vector<Crossing>& out) {
       const auto& corners = mesh_.simplex_vertices[s];
       const auto n_off = std::ranges::count_if(corners, is_off);
-      if (n_off > 1) return;
       for (int i = 0; i <= D; ++i)
         if (n_off == 0 || is_off(corners[static_cast<std::size_t>(i)])) out.push_back({s, i});
     });
@@ -224,10 +220,12 @@ class DomainMaker {
   /// part_of(simplex) is some number that all simplices of a part have.
   template <class PartOf>
   [[nodiscard]] std::vector<Part> list_parts(PartOf&& part_of) const {
+    constexpr int kMeasuredInBlock = 64;
     using Parts = std::map<std::uint32_t, Part>;
     const auto take = [](Part& part, const Part& other) {
       if (part.first.is_none()) part.first = other.first;
-      if (part.largest.is_none() || other.size > part.size) part.largest = other.largest, part.size = other.size;
+      if (part.large.is_none() || other.size > part.size) part.large = other.large, part.size = other.size;
+      part.n_measured += other.n_measured;
     };
     const Parts all = parallel_reduce_ordered(
         mesh_.simplex_vertices.size(), 65536, Parts{},
@@ -239,7 +237,7 @@ class DomainMaker {
             const SimplexId s(i);
             if (const std::uint32_t other = part_of(s); part == nullptr || other != number)
               part = &parts[number = other];
-            take(*part, {s, s, measure(s)});
+            if (part->n_measured < kMeasuredInBlock) take(*part, {s, s, measure(s), 1});
           }
           return parts;
         },
@@ -267,18 +265,17 @@ class DomainMaker {
     struct HullFace {
       std::array<VertexId, D> vertices;
     };
-    const auto hull = collect_from_simplices<HullFace>(mesh_, [&](SimplexId s, std::vector<HullFace>& faces) {
+    const auto hull = zone_.template collect<HullFace>([&](SimplexId s, std::vector<HullFace>& faces) {
       for (int i = 0; i <= D; ++i)
         if (mesh_.simplex_neighbors[s][static_cast<std::size_t>(i)].is_none())
           faces.push_back({boundary_face<D>(mesh_.simplex_vertices[s], i)});
     });
     DisjointSets shells(hull.size());
-    std::map<VertexId, std::uint32_t> first;
+    constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    IdVector<VertexId, std::uint32_t> last(mesh_.points.size(), kNone);
     for (std::uint32_t f = 0; f < hull.size(); ++f)
-      for (const VertexId v : hull[f].vertices) {
-        const auto [it, is_new] = first.emplace(v, f);
-        if (!is_new) shells.join(it->second, f);
-      }
+      for (const VertexId v : hull[f].vertices)
+        if (const std::uint32_t before = std::exchange(last[v], f); before != kNone) shells.join(before, f);
     std::map<std::uint32_t, double> volume;
     std::map<std::uint32_t, std::pair<double, Vec<D>>> seed;
     const Vec<D> origin = mesh_.points[VertexId(0)];
@@ -341,6 +338,7 @@ class DomainMaker {
   }
 
   const Mesh<D>& mesh_;
+  BoundaryZone<D> zone_;
   double tolerance_ = 0;  ///< How far vertices may be off a polytope that they are on.
   BoundaryComplex<D> complex_;
   std::map<VertexId, std::uint32_t> point_of_;  ///< Of the corners.

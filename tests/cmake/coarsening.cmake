@@ -1,6 +1,7 @@
 voropack_test(edge_graph_test unit/edge_graph_test.cpp)
 voropack_test(mesh_domain_test unit/mesh_domain_test.cpp)
 voropack_test(require_delaunay_test unit/require_delaunay_test.cpp)
+voropack_test(spacing_limit_test unit/spacing_limit_test.cpp)
 voropack_test(coarsening_test property/coarsening_test.cpp)
 voropack_test(beyond_boundary_test property/beyond_boundary_test.cpp)
 voropack_test(beyond_boundary_space_test property/beyond_boundary_space_test.cpp)

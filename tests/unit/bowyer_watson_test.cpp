@@ -146,6 +146,29 @@ TEST(Hilbert, OrdersArePermutationsAndOrderClustersToo) {
   EXPECT_LT(length - std::sqrt(2.0), 60e-13);
 }
 
+template <int K>
+void expect_order_by_key() {
+  Random random(2);
+  // Every other point is in a cluster whose keys begin with the same digits.
+  std::vector<Vec<K>> points(60000);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (int k = 0; k < K; ++k) points[i][k] = i % 2 == 0 ? random.unit() : 0.3 + 1e-5 * random.unit();
+  points[100] = points[4] = points[7];
+  Box<K> box;
+  for (const Vec<K>& x : points) box.add(x);
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
+  for (std::uint32_t i = 0; i < points.size(); ++i) keys.emplace_back(hilbert_key<K>(points[i], box), i);
+  std::sort(keys.begin(), keys.end());
+  const std::vector<std::uint32_t> order = hilbert_order<K>(points, box);
+  ASSERT_EQ(order.size(), points.size());
+  for (std::size_t i = 0; i < order.size(); ++i) ASSERT_EQ(order[i], keys[i].second);
+}
+
+TEST(Hilbert, OrdersManyPointsByTheirKeys) {
+  expect_order_by_key<2>();
+  expect_order_by_key<3>();
+}
+
 TEST(Hilbert, AcceptsEmptyAndIdenticalInput) {
   EXPECT_TRUE(hilbert_order<3>(std::vector<Vec<3>>{}).empty());
   EXPECT_EQ(hilbert_order<3>(std::vector<Vec<3>>(100, Vec<3>{1, 2, 3})).size(), 100U);
