@@ -160,10 +160,13 @@ std::string remarks(const std::vector<LevelFigures>& levels, const CoarsenArgume
   const std::size_t n_wanted = arguments.options.target_vertices.empty()
                                    ? static_cast<std::size_t>(arguments.options.levels)
                                    : arguments.options.target_vertices.size();
-  if (levels.size() < n_wanted) text += fmt::format("The boundary allows {} of {} levels.\n", levels.size(), n_wanted);
+  if (levels.size() < n_wanted)
+    text += fmt::format("{} of {} levels: others would have hardly fewer vertices than the next finer one.\n",
+                        levels.size(), n_wanted);
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const LevelFigures& level = levels[i];
-    if (i < arguments.options.target_vertices.size() && level.quality.n_vertices > arguments.options.target_vertices[i])
+    if (levels.size() == arguments.options.target_vertices.size() &&
+        level.quality.n_vertices > arguments.options.target_vertices[i])
       text += fmt::format("level {}: the boundary allows no fewer vertices\n", i + 1);
     if (level.epsilon > 0)
       text += fmt::format("level {}: check it with --packing maximal --epsilon {:.17g}\n", i + 1, level.epsilon);

@@ -18,7 +18,7 @@ namespace {
 /// Recovered derivatives scatter from vertex to vertex: so many averages over neighbors even that out.
 constexpr int kAverages = 2;
 /// Where the solution is straight, f would be infinite: it grows to this multiple of its least value at most.
-constexpr double kLargestRatio = 32;
+constexpr double kLargestRatio = 1024;
 /// The least value is kept up to where this multiple of it would do: there irregular cells beside the lattice cost less
 /// than more of the lattice does. Measured, as what follows.
 template <int D>

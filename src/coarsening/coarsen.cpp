@@ -140,17 +140,26 @@ class Coarsener {
   std::vector<PackedLevel<D>> pack_levels() {
     observer_.begin_stage("packing");
     std::vector<PackedLevel<D>> levels = options_.target_vertices.empty() ? pack_growing() : pack_numbers();
-    // The boundary ends coarsening.
-    std::size_t before = fine().mesh.points.size();
-    for (std::size_t i = 0; i < levels.size(); ++i) {
-      const std::size_t n = levels[i].vertex.size();
-      if (static_cast<double>(n) > kLeastGain * static_cast<double>(before)) {
-        levels.resize(i);
-        break;
+    leave_out_where_nothing_is_gained(levels);
+    return levels;
+  }
+
+  /// Where lattices of vertices fit f badly, a level may have hardly fewer vertices than the next finer one, and a
+  /// still coarser one many fewer; in the end the boundary allows nothing more. Levels with boundaries of their own
+  /// keep their numbers: there the first one of that kind ends coarsening.
+  void leave_out_where_nothing_is_gained(std::vector<PackedLevel<D>>& levels) const {
+    double before = static_cast<double>(fine().mesh.points.size());
+    std::vector<PackedLevel<D>> gaining;
+    for (PackedLevel<D>& level : levels) {
+      const auto n = static_cast<double>(level.vertex.size());
+      if (n > kLeastGain * before) {
+        if (!boundaries_.empty()) break;
+        continue;
       }
       before = n;
+      gaining.push_back(std::move(level));
     }
-    return levels;
+    levels = std::move(gaining);
   }
 
   std::vector<PackedLevel<D>> pack_growing() {
