@@ -228,8 +228,17 @@ IdVector<VertexId, double> transfer_array(const CaseCoefficient& coefficient, co
                "give an array on a mesh of the same domain.");
     return {};
   }
-  return transfer(*from, IdVector<VertexId, double>(read_point_array(*array.file, array.name, observer)), mesh,
-                  {.conserve = array.transfer == CaseArray::Transfer::kConserve});
+  try {
+    return transfer(*from, IdVector<VertexId, double>(read_point_array(*array.file, array.name, observer)), mesh,
+                    {.conserve = array.transfer == CaseArray::Transfer::kConserve});
+  } catch (const InputError& error) {
+    for (const Fault& fault : error.faults())
+      faults.add(fault.id, coefficient.place,
+                 fmt::format("{}: the array \"{}\" of {}: {}", coefficient.name, array.name, array.file->string(),
+                             fault.message),
+                 fault.fix);
+    return {};
+  }
 }
 
 template <int D>

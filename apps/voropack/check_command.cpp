@@ -86,6 +86,7 @@ ExitCode reject(const InputError& error, const CheckArguments& arguments, const 
 
 ExitCode run_check(const CheckArguments& arguments, Session& session) {
   session.outputs.protect(arguments.mesh);
+  for (const std::filesystem::path& file : arguments.domain.files()) session.outputs.protect(file);
   session.observer.begin_stage("read");
   StageTimes times;
   AnyMesh mesh;

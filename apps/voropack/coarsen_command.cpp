@@ -1,10 +1,13 @@
 // voropack coarsen: a hierarchy of coarser meshes, node-nested, for multigrid.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <regex>
+#include <set>
 #include <vector>
 
 #include "command.h"
@@ -133,13 +136,13 @@ LevelFigures judge(const CoarseLevel<D>& level, const Domain<D>* domain, const C
 }
 
 std::string level_table(std::size_t n_finest, const std::vector<LevelFigures>& levels,
-                        const CoarsenArguments& arguments) {
+                        const CoarsenArguments& arguments, int dimension) {
   const bool is_beyond = arguments.is_beyond, has_counts = arguments.counts_intersections;
   const bool has_distance = is_beyond || !arguments.level_boundaries.empty();
   std::string text = fmt::format("{:<7}{:>11}{:>8}{:>12}{:>13}{:>11}{:>11}", "level", "vertices", "ratio", "simplices",
                                  "max R / l", "min angle", "max angle");
   if (has_distance) text += fmt::format("{:>12}", "distance");
-  if (is_beyond) text += fmt::format("{:>12}{:>10}", "area, %", "overlap");
+  if (is_beyond) text += fmt::format("{:>12}{:>10}", dimension == 2 ? "area, %" : "volume, %", "overlap");
   if (has_counts) text += fmt::format("{:>11}{:>12}", "meets max", "meets mean");
   text += fmt::format("  certificate\n{:<7}{:>11}\n", 0, grouped(n_finest));
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -190,6 +193,35 @@ void write_levels(const std::vector<const CoarseLevel<D>*>& levels, const fs::pa
   }
 }
 
+/// A file under one of the names that a hierarchy has in its folder.
+struct HierarchyFile {
+  fs::path path;
+  std::size_t level = 0;
+};
+
+/// What an earlier hierarchy left in the folder.
+std::vector<HierarchyFile> hierarchy_files(const fs::path& folder) {
+  static const std::regex kName(R"((?:level-([1-9]\d{0,2})\.(?:node|ele|face|edge)|prolongation-([1-9]\d{0,2})\.mtx))");
+  std::vector<HierarchyFile> files;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    std::smatch match;
+    if (!entry.is_regular_file(error) || !std::regex_match(name, match, kName)) continue;
+    files.push_back({entry.path(), std::stoul(match[1].matched ? match[1] : match[2])});
+  }
+  return files;
+}
+
+/// The coarser levels of an earlier hierarchy, which go when the new one appears.
+std::string stale_line(const std::vector<HierarchyFile>& earlier, std::size_t n_levels) {
+  std::set<std::size_t> stale;
+  for (const HierarchyFile& file : earlier)
+    if (file.level > n_levels) stale.insert(file.level);
+  if (stale.empty()) return {};
+  return fmt::format("removed: level {} of an earlier hierarchy there\n", fmt::join(stale, ", "));
+}
+
 const CLI::Validator kLevelFile(
     [](const std::string& text) -> std::string {
       const std::size_t at = text.find('=');
@@ -199,12 +231,14 @@ const CLI::Validator kLevelFile(
     },
     "K=FILE");
 
+/// FILE of K=FILE.
+fs::path level_file(const std::string& text) { return text.substr(text.find('=') + 1); }
+
 template <int D>
 std::vector<LevelBoundary<D>> read_boundaries(const std::vector<std::string>& texts, Observer& observer) {
   std::vector<LevelBoundary<D>> boundaries;
   for (const std::string& text : texts) {
-    const std::size_t at = text.find('=');
-    const fs::path path = text.substr(at + 1);
+    const fs::path path = level_file(text);
     const AnyDomainInput any = read_domain(path, observer);
     const auto* const input = std::get_if<DomainInput<D>>(&any);
     if (input == nullptr)
@@ -213,7 +247,7 @@ std::vector<LevelBoundary<D>> read_boundaries(const std::vector<std::string>& te
                              .fix = fmt::format("give a {}D domain.", D),
                              .file = path.string()});
     // Its points are vertices of the mesh: none may move.
-    boundaries.push_back({std::stoi(text.substr(0, at)), build_domain(*input, {.merge_distance = 0}, observer)});
+    boundaries.push_back({std::stoi(text), build_domain(*input, {.merge_distance = 0}, observer)});
   }
   return boundaries;
 }
@@ -267,7 +301,8 @@ void make_levels(const Mesh<D>& mesh, const CoarsenArguments& arguments, Report&
 }
 
 template <int D>
-ExitCode coarsen_mesh(const Mesh<D>& mesh, const CoarsenArguments& arguments, StageTimes times, Session& session) {
+ExitCode coarsen_mesh(const Mesh<D>& mesh, const CoarsenArguments& arguments, const std::vector<HierarchyFile>& earlier,
+                      StageTimes times, Session& session) {
   Observer& observer = session.observer;
   Report report;
   report.command = "coarsen";
@@ -284,21 +319,36 @@ ExitCode coarsen_mesh(const Mesh<D>& mesh, const CoarsenArguments& arguments, St
     report.levels->push_back(level_json(level));
     ok = ok && level.certificate.ok;
   }
-  session.finish(report, level_table(mesh.points.size(), levels.figures, arguments) +
-                             remarks(levels.figures, arguments) +
+  session.finish(report, level_table(mesh.points.size(), levels.figures, arguments, D) +
+                             remarks(levels.figures, arguments) + stale_line(earlier, levels.all.size()) +
                              fmt::format("levels: {}\n", arguments.folder.string()));
   return ok ? ExitCode::kDone : ExitCode::kCheckFailed;
 }
 
 ExitCode run_coarsen(const CoarsenArguments& arguments, Session& session) {
   session.outputs.protect(arguments.mesh);
-  if (arguments.domain.file) session.outputs.protect(*arguments.domain.file);
-  for (const std::string& text : arguments.level_boundaries) session.outputs.protect(text.substr(text.find('=') + 1));
+  for (const fs::path& file : arguments.domain.files()) session.outputs.protect(file);
+  for (const std::string& text : arguments.level_boundaries) session.outputs.protect(level_file(text));
+  const std::vector<HierarchyFile> earlier = hierarchy_files(arguments.folder);
+  for (const HierarchyFile& file : earlier) session.outputs.replace(file.path);
   session.observer.begin_stage("read");
   StageTimes times;
   const AnyMesh mesh = timed(
       times, "read", [&] { return read_mesh_or_triangulate(arguments.mesh, arguments.redelaunay, session.observer); });
-  return std::visit([&](const auto& any) { return coarsen_mesh(any, arguments, times, session); }, mesh);
+  return std::visit([&](const auto& any) { return coarsen_mesh(any, arguments, earlier, times, session); }, mesh);
+}
+
+/// An option whose values have names.
+template <class T>
+CLI::Option* add_choice(CLI::App& app, const std::string& option, T& value, const std::map<std::string, T>& names,
+                        const std::string& description) {
+  std::vector<std::string> known;
+  for (const auto& [name, meaning] : names) known.push_back(name);
+  return app
+      .add_option_function<std::string>(
+          option, [&value, &names](const std::string& name) { value = names.at(name); }, description)
+      ->check(one_of(known))
+      ->type_name(fmt::format("{}", fmt::join(known, "|")));
 }
 
 void add_level_options(CLI::App& app, CoarsenArguments& arguments) {
@@ -324,13 +374,11 @@ void add_level_options(CLI::App& app, CoarsenArguments& arguments) {
                      "the plane",
                      options.lipschitz))
       ->check(positive_number(0.9));
-  app.add_option("--initial", options.initial,
-                 "Spacing of MESH at a vertex: half the distance to its nearest neighbor (nearest), or that of a\n"
-                 "packing with as long edges there (mean-edge)")
-      ->transform(CLI::CheckedTransformer(kInitialNames))
+  add_choice(app, "--initial", options.initial, kInitialNames,
+             "Spacing of MESH at a vertex: half the distance to its nearest neighbor (nearest), or that of a\n"
+             "packing with as long edges there (mean-edge)")
       ->default_str(std::string(name_of(kInitialNames, options.initial)));
-  app.add_option("--order", options.order, "Order in which vertices are tried")
-      ->transform(CLI::CheckedTransformer(kOrderNames))
+  add_choice(app, "--order", options.order, kOrderNames, "Order in which vertices are tried")
       ->default_str(std::string(name_of(kOrderNames, options.order)));
   app.add_flag("--quasi-uniform", options.quasi_uniform,
                "Spacing max(growth^i min f0, f0) of algorithm COARSEN, for meshes of about one size");
@@ -358,11 +406,10 @@ void add_beyond_options(CLI::App& app, CoarsenArguments& arguments) {
       ->type_name("DEG")
       ->capture_default_str()
       ->needs(beyond);
-  app.add_option("--improve", options.improvement,
-                 "Beyond the boundary, in the plane: exchange vertices for better shapes as long as vertices keep "
-                 "their distance\n"
-                 "(packed), or whatever their distance (free)")
-      ->transform(CLI::CheckedTransformer(kImprovementNames))
+  add_choice(app, "--improve", options.improvement, kImprovementNames,
+             "Beyond the boundary, in the plane: exchange vertices for better shapes as long as vertices keep "
+             "their distance\n"
+             "(packed), or whatever their distance (free)")
       ->default_str(std::string(name_of(kImprovementNames, options.improvement)))
       ->needs(beyond);
   app.add_option("--restarts", options.restarts,

@@ -2,11 +2,16 @@
 
 #include <utility>
 
+#include "meshing.h"
 #include "parameters.h"
 #include "voropack/error.h"
 #include "voropack/io.h"
 
 namespace voropack::app {
+
+std::vector<std::filesystem::path> KnownDomain::files() const {
+  return file ? domain_files(*file) : std::vector<std::filesystem::path>{};
+}
 
 void add_domain_options(CLI::App& command, KnownDomain& known, const std::string& purpose) {
   command.add_option("--domain", known.file, purpose)->type_name("DOMAIN");

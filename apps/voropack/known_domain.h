@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command.h"
 #include "voropack/mesh_domain.h"
@@ -13,6 +14,9 @@ namespace voropack::app {
 struct KnownDomain {
   std::optional<std::filesystem::path> file;
   DomainOptions merge;
+
+  /// The files that are read.
+  [[nodiscard]] std::vector<std::filesystem::path> files() const;
 };
 
 /// --domain, --merge-distance, --merge-angle.

@@ -98,8 +98,7 @@ ExitCode run_mesh(const MeshArguments& arguments, Session& session) {
   StagedOutputs staged;
   for (const fs::path& output : arguments.outputs) staged.meshes.push_back(session.outputs.stage(output));
   if (arguments.cells) staged.cells = session.outputs.stage(*arguments.cells);
-  session.outputs.protect(arguments.domain);
-  if (const std::optional<fs::path> points = points_beside(arguments.domain)) session.outputs.protect(*points);
+  for (const fs::path& file : domain_files(arguments.domain)) session.outputs.protect(file);
   for (const fs::path& file : arguments.wishes.files()) session.outputs.protect(file);
 
   session.observer.begin_stage("read");

@@ -17,14 +17,14 @@ namespace voropack::app {
 
 namespace fs = std::filesystem;
 
-/// The .node file with the points of a .poly or .smesh that announces none of its own.
-std::optional<fs::path> points_beside(const fs::path& domain) {
-  if (domain.extension() != ".poly" && domain.extension() != ".smesh") return std::nullopt;
+std::vector<fs::path> domain_files(const fs::path& domain) {
+  std::vector<fs::path> files = {domain};
+  if (domain.extension() != ".poly" && domain.extension() != ".smesh") return files;
   std::ifstream file(domain);
   std::string word;
   while (file >> word && word.front() == '#') std::getline(file, word);
-  if (word != "0") return std::nullopt;
-  return fs::path(domain).replace_extension(".node");
+  if (word == "0") files.push_back(fs::path(domain).replace_extension(".node"));
+  return files;
 }
 
 namespace {

@@ -52,7 +52,7 @@ void describe_meshing(const MeshingResult<D>& result, Report& report);
 template <int D>
 std::string domain_line(const std::filesystem::path& path, const Domain<D>& domain);
 
-/// The .node file with the points of a .poly or .smesh that announces none of its own.
-std::optional<std::filesystem::path> points_beside(const std::filesystem::path& domain);
+/// The files of a domain: the one named, and the .node file with the points of a .poly or .smesh that announces none.
+std::vector<std::filesystem::path> domain_files(const std::filesystem::path& domain);
 
 }  // namespace voropack::app

@@ -17,6 +17,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// What belongs to a mesh in a .node file.
+constexpr std::array<const char*, 3> kCompanions = {".ele", ".face", ".edge"};
+
 InputError cannot_write(const fs::path& target, const std::string& reason) {
   return InputError(Fault{.id = "io.cannot_write",
                           .message = fmt::format("cannot write: {}", reason),
@@ -72,6 +75,8 @@ fs::path OutputSet::stage(const fs::path& target) {
                               .message = fmt::format("{} is given as output twice", target.string()),
                               .fix = "give each output its own name."});
 
+  refuse_input(target);
+
   const fs::path place = resolved(target);
   // What is written to a device is staged where there is room for files.
   const fs::path parent = is_special_file(place) ? fs::temp_directory_path()
@@ -91,10 +96,25 @@ fs::path OutputSet::stage(const fs::path& target) {
   return folder / target.filename();
 }
 
-void OutputSet::protect(const fs::path& input) const {
+void OutputSet::protect(const fs::path& input) {
+  const std::scoped_lock lock(mutex_);
+  inputs_.push_back(input);
+  if (input.extension() == ".node")
+    for (const char* extension : kCompanions) inputs_.push_back(fs::path(input).replace_extension(extension));
+  for (const Entry& entry : entries_) refuse_input(entry.target);
+  for (const fs::path& old : replaced_) refuse_input(old);
+}
+
+void OutputSet::replace(const fs::path& old) {
+  const std::scoped_lock lock(mutex_);
+  refuse_input(old);
+  replaced_.push_back(old);
+}
+
+void OutputSet::refuse_input(const fs::path& target) const {
   std::error_code ignored;
-  for (const Entry& entry : entries_)
-    if (fs::equivalent(entry.target, input, ignored))
+  for (const fs::path& input : inputs_)
+    if (fs::equivalent(target, input, ignored))
       throw OptionError(Fault{.id = "cli.overwrites_input",
                               .message = fmt::format("{} is the input and the output", input.string()),
                               .fix = "give the output another name."});
@@ -110,38 +130,61 @@ std::string OutputSet::in_users_words(std::string message) const {
   return message;
 }
 
+std::vector<OutputSet::Move> OutputSet::moves(const Entry& entry) {
+  const fs::path place = resolved(entry.target);
+  std::vector<Move> result;
+  for (const fs::directory_entry& file : fs::directory_iterator(entry.folder)) {
+    const fs::path name = file.path().filename();
+    result.push_back({file.path(), name == entry.target.filename() ? place : place.parent_path() / name});
+  }
+  std::sort(result.begin(), result.end(), [](const Move& a, const Move& b) { return a.from < b.from; });
+  return result;
+}
+
 void OutputSet::publish_entry(const Entry& entry) {
   const fs::path place = resolved(entry.target);
   const bool is_special = is_special_file(place);
-  std::vector<fs::path> written;
-  for (const fs::directory_entry& file : fs::directory_iterator(entry.folder)) written.push_back(file.path());
-  std::sort(written.begin(), written.end());
-  for (const fs::path& file : written) {
+  const std::vector<Move> written = moves(entry);
+  for (const Move& move : written) {
     if (is_special) {
-      copy_bytes(file, place, entry.target);
+      copy_bytes(move.from, place, entry.target);
       continue;
     }
-    fs::path to = place;
-    if (file.filename() != entry.target.filename()) to = place.parent_path() / file.filename();
     std::error_code error;
-    fs::rename(file, to, error);
-    if (error) throw cannot_write(to, error.message());
+    fs::rename(move.from, move.to, error);
+    if (error) throw cannot_write(move.to, error.message());
   }
   // What an older run left under the same name and this one did not write would be read as part of the new mesh.
   if (entry.target.extension() != ".node") return;
-  for (const char* extension : {".ele", ".face", ".edge"}) {
+  for (const char* extension : kCompanions) {
     const fs::path name = fs::path(entry.target.filename()).replace_extension(extension);
     const bool is_new =
-        std::any_of(written.begin(), written.end(), [&](const fs::path& file) { return file.filename() == name; });
+        std::any_of(written.begin(), written.end(), [&](const Move& move) { return move.from.filename() == name; });
     std::error_code ignored;
     if (!is_new) fs::remove(place.parent_path() / name, ignored);
+  }
+}
+
+void OutputSet::remove_replaced(const std::vector<fs::path>& written) const {
+  for (const fs::path& old : replaced_) {
+    std::error_code error;
+    const bool is_new = std::any_of(written.begin(), written.end(),
+                                    [&](const fs::path& file) { return fs::equivalent(file, old, error); });
+    error.clear();
+    if (!is_new) fs::remove(old, error);
+    if (error) throw cannot_write(old, error.message());
   }
 }
 
 void OutputSet::publish() {
   const std::scoped_lock lock(mutex_);
   if (abandoned_) throw Cancelled();
+  std::vector<fs::path> written;
+  for (const Entry& entry : entries_)
+    for (const Move& move : moves(entry)) written.push_back(move.to);
+  for (const fs::path& file : written) refuse_input(file);
   for (const Entry& entry : entries_) publish_entry(entry);
+  remove_replaced(written);
   made_folders_.clear();
   for (const Entry& entry : entries_) {
     std::error_code ignored;

@@ -41,6 +41,7 @@ ExitCode run_plot(const PlotArguments& arguments, Session& session) {
   std::vector<std::filesystem::path> staged;
   for (const std::filesystem::path& output : arguments.outputs) check_extension(output, {".svg"});
   for (const std::filesystem::path& output : arguments.outputs) staged.push_back(session.outputs.stage(output));
+  session.outputs.protect(arguments.mesh);
 
   Report report;
   report.command = "plot";

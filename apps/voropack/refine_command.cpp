@@ -11,6 +11,7 @@
 #include "known_domain.h"
 #include "meshing.h"
 #include "print.h"
+#include "unused_vertices.h"
 #include "voropack/refinement.h"
 
 namespace voropack::app {
@@ -30,6 +31,8 @@ struct RefineArguments {
 
   /// One level if nothing else is wished.
   [[nodiscard]] int n_levels() const { return levels.value_or(wishes.has_size() ? 0 : 1); }
+  /// Vertices may go, and sizes say what the spacing is: that of the mesh given does not matter.
+  [[nodiscard]] bool may_grow() const { return keep_fitting && wishes.has_size() && !levels; }
 };
 
 template <int D>
@@ -67,14 +70,39 @@ std::vector<std::string> failed_checks(const Mesh<D>& mesh, const Domain<D>& dom
   return failed;
 }
 
+/// The spacing of the finer mesh: at most that of the mesh given, but where it may grow what `mesh` would take.
 template <int D>
-ExitCode refine_mesh(const Mesh<D>& mesh, const RefineArguments& arguments, StageTimes times, Session& session) {
+Spacing<D> new_spacing(const Mesh<D>& mesh, const Domain<D>& domain, const RefineArguments& arguments,
+                       const MeshingOptions<D>& options, Observer& observer) {
+  const SpacingOptions spacing_options{options.gradation, options.feature_factor, edge_per_spacing<D>(options.packing)};
+  if (arguments.may_grow()) return build_spacing(domain, options.wishes, spacing_options, observer);
+  return refined_spacing(mesh, domain, std::ldexp(1.0, -arguments.n_levels()), options.wishes, spacing_options,
+                         observer);
+}
+
+/// Why vertices were not added or not there, where one might wonder.
+template <int D>
+std::string remarks(const RefinedMesh<D>& refined, const std::vector<VertexId>& unused,
+                    const RefineArguments& arguments) {
+  std::string text;
+  if (!unused.empty()) text += fmt::format("left out: {}\n", unused_in_words(unused));
+  if (refined.n_added == 0 && arguments.wishes.has_size() && !arguments.may_grow())
+    text +=
+        "No size asks for more vertices: sizes are upper bounds, and so is the spacing of the mesh given.\n"
+        "--keep fitting without --levels lets vertices go where sizes are larger.\n";
+  return text;
+}
+
+template <int D>
+ExitCode refine_mesh(const Mesh<D>& given, const RefineArguments& arguments, StageTimes times, Session& session) {
   Observer& observer = session.observer;
   std::vector<fs::path> staged;
   for (const fs::path& output : arguments.outputs) staged.push_back(session.outputs.stage(output));
   std::optional<fs::path> staged_cells;
   if (arguments.cells) staged_cells = session.outputs.stage(*arguments.cells);
 
+  const std::vector<VertexId> unused = unused_vertices(given);
+  const Mesh<D> mesh = without(given, unused);
   const MeshingOptions<D> options = timed(times, "read", [&] { return meshing_options<D>(arguments.wishes, session); });
   const MeshDomain<D> place = timed(times, "domain", [&] { return find_place(mesh, arguments.domain, observer); });
   const std::vector<std::string> failed =
@@ -85,11 +113,8 @@ ExitCode refine_mesh(const Mesh<D>& mesh, const RefineArguments& arguments, Stag
                            .fix = "see `voropack check`; --redelaunay triangulates its points anew, --force goes on",
                            .file = arguments.mesh.string()});
 
-  const SpacingOptions spacing_options{options.gradation, options.feature_factor, edge_per_spacing<D>(options.packing)};
-  const Spacing<D> spacing = timed(times, "spacing", [&] {
-    return refined_spacing(mesh, place.domain, std::ldexp(1.0, -arguments.n_levels()), options.wishes, spacing_options,
-                           observer);
-  });
+  const Spacing<D> spacing =
+      timed(times, "spacing", [&] { return new_spacing(mesh, place.domain, arguments, options, observer); });
   RefinedMesh<D> refined = timed(times, "packing", [&] {
     return refine(mesh, place, spacing, {.packing = options.packing, .keep_all = !arguments.keep_fitting}, observer);
   });
@@ -110,6 +135,7 @@ ExitCode refine_mesh(const Mesh<D>& mesh, const RefineArguments& arguments, Stag
   report.packing = PackingFigures{.repairs = refined.repairs.size(), .repair_rounds = refined.repair_rounds};
   report.refinement = Json{{"kept", refined.n_kept}, {"added", refined.n_added}, {"removed", refined.n_removed}};
   if (!failed.empty()) (*report.refinement)["input_failed"] = failed;
+  if (!unused.empty()) (*report.refinement)["unused"] = unused.size();
   report.times = std::move(times);
 
   observer.begin_stage("write");
@@ -121,8 +147,9 @@ ExitCode refine_mesh(const Mesh<D>& mesh, const RefineArguments& arguments, Stag
     observer.check_cancelled();
     if (staged_cells) write_cells(build_cell_shapes(refined.mesh, volumes), volumes, *staged_cells);
   });
-  std::string text = fmt::format("{} vertices kept, {} added, {} removed\n\n", grouped(refined.n_kept),
+  std::string text = fmt::format("{} vertices kept, {} added, {} removed\n", grouped(refined.n_kept),
                                  grouped(refined.n_added), grouped(refined.n_removed));
+  text += remarks(refined, unused, arguments) + '\n';
   if (!failed.empty()) text += fmt::format("The mesh given fails {} of its certificate.\n\n", fmt::join(failed, ", "));
   text += count_table(*report.quality) + '\n' + quality_table(*report.quality) + '\n';
   text += certificate_table(*report.certificate);
@@ -136,7 +163,7 @@ ExitCode run_refine(const RefineArguments& arguments, Session& session) {
   for (const fs::path& output : arguments.outputs) check_extension(output, kMeshExtensions);
   if (arguments.cells) check_extension(*arguments.cells, {".vtu"});
   session.outputs.protect(arguments.mesh);
-  if (arguments.domain.file) session.outputs.protect(*arguments.domain.file);
+  for (const fs::path& file : arguments.domain.files()) session.outputs.protect(file);
   for (const fs::path& file : arguments.wishes.files()) session.outputs.protect(file);
   session.observer.begin_stage("read");
   StageTimes times;
@@ -162,7 +189,9 @@ Command add_refine_command(CLI::App& root, CommonOptions& common) {
   std::vector<std::string> kinds = {"all", "fitting"};
   app->add_option_function<std::string>(
          "--keep", [arguments](const std::string& kind) { arguments->keep_fitting = kind == "fitting"; },
-         "Old vertices that stay: all, or those that fit where the spacing grows")
+         "Old vertices that stay: all, so that the spacing shrinks only; or those that fit (fitting), where sizes "
+         "given\n"
+         "without --levels may be larger than the mesh's and say what the spacing is, as in mesh")
       ->check(one_of(kinds))
       ->type_name("KIND")
       ->default_str("all");

@@ -1,11 +1,14 @@
 #include "solve_adaptive.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
+#include <string_view>
 #include <utility>
 
 #include "print.h"
@@ -52,24 +55,40 @@ struct Guide {
   RecoveredDerivatives<D> derivatives;
 };
 
+/// `mesh` is one of the domain that shall be meshed.
 template <int D>
-Guide<D> read_guide(const std::string& field, Observer& observer) {
+Guide<D> read_guide(const std::string& field, const Mesh<D>& mesh, Observer& observer) {
   const auto [file, array] = split_field(field);
   AnyMesh any = read_mesh(file, observer);
-  Mesh<D>* const mesh = std::get_if<Mesh<D>>(&any);
-  if (mesh == nullptr)
+  Mesh<D>* const from = std::get_if<Mesh<D>>(&any);
+  if (from == nullptr)
     throw InputError(Fault{.id = "adapt.dimension",
                            .message = fmt::format("the field's mesh is not {}D, as the case is", D),
                            .fix = "give a field on a mesh of the same domain.",
                            .file = file.string()});
   VertexValues values(read_point_array(file, array, observer));
-  if (values.size() != mesh->points.size())
+  if (values.size() != from->points.size())
     throw InputError(Fault{.id = "adapt.wrong_length",
                            .message = fmt::format("the array \"{}\" has {} numbers for {} vertices", array,
-                                                  values.size(), mesh->points.size()),
+                                                  values.size(), from->points.size()),
                            .fix = "give an array with one number for each vertex.",
                            .file = file.string()});
-  Guide<D> guide{.mesh = std::move(*mesh), .volumes = {}, .derivatives = {}};
+  for (const VertexId v : ids(values))
+    if (!std::isfinite(values[v]))
+      throw InputError(
+          Fault{.id = "adapt.not_finite",
+                .message = fmt::format("the array \"{}\" is {} at vertex {} (counted from 0), at ({})", array,
+                                       values[v], v.value(), fmt::join(from->points[v].coord, ", ")),
+                .fix = "give a field that is finite everywhere.",
+                .file = file.string()});
+  try {
+    require_cover(*from, mesh);
+  } catch (const InputError& error) {
+    Fault fault = error.faults().front();
+    fault.file = file.string();
+    throw InputError(std::move(fault));
+  }
+  Guide<D> guide{.mesh = std::move(*from), .volumes = {}, .derivatives = {}};
   guide.volumes = build_control_volumes(guide.mesh, observer);
   guide.derivatives = recover_derivatives(guide.volumes, values, observer);
   return guide;
@@ -120,12 +139,14 @@ struct NextMesh {
 template <int D>
 class Mesher {
  public:
-  Mesher(const Domain<D>& domain, const AdaptiveWishes& wishes, const Case& given, Session& session)
+  /// `mesh` is the first one of the domain.
+  Mesher(const Domain<D>& domain, const Mesh<D>& mesh, const AdaptiveWishes& wishes, const Case& given,
+         Session& session)
       : domain_(domain),
         wishes_(wishes),
         options_(meshing_options<D>(given.wishes, session)),
         observer_(session.observer) {
-    if (!wishes.field.empty()) guide_ = read_guide<D>(wishes.field, observer_);
+    if (!wishes.field.empty()) guide_ = read_guide<D>(wishes.field, mesh, observer_);
   }
 
   /// The next mesh; nothing if there is none with more vertices that are not too many. `derivatives` are those of the
@@ -215,6 +236,20 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
+std::optional<fs::path> AdaptiveWishes::field_file() const {
+  if (field.empty()) return std::nullopt;
+  return split_field(field).first;
+}
+
+LimitError in_words_of_case(const LimitError& error) {
+  constexpr std::string_view kOption = "--max-vertices";
+  std::vector<Fault> faults = error.faults();
+  for (Fault& fault : faults)
+    if (const std::size_t at = fault.fix.find(kOption); at != std::string::npos)
+      fault.fix.replace(at, kOption.size(), "max_vertices under [domain]");
+  return LimitError(std::move(faults));
+}
+
 void add_adaptive_options(CLI::App& command, AdaptiveWishes& wishes) {
   CLI::Option* const adapt =
       command.add_flag("--adapt", wishes.is_wished, "Solve, estimate the error, mesh again where it is large; repeat");
@@ -232,10 +267,13 @@ void add_adaptive_options(CLI::App& command, AdaptiveWishes& wishes) {
       ->check(CLI::Range(1.2, 10.0))
       ->needs(adapt);
   using Keep = AdaptiveWishes::Keep;
-  const std::vector<std::pair<std::string, Keep>> kinds = {
+  static const std::map<std::string, Keep> kKinds = {
       {"none", Keep::kNone}, {"fitting", Keep::kFitting}, {"all", Keep::kAll}};
-  command.add_option("--keep", wishes.keep, "Old vertices that stay: none, those that fit, or all; default none")
-      ->transform(CLI::CheckedTransformer(kinds))
+  command
+      .add_option_function<std::string>(
+          "--keep", [&keep = wishes.keep](const std::string& name) { keep = kKinds.at(name); },
+          "Old vertices that stay: none, those that fit (fitting), or all; default none")
+      ->check(one_of({"none", "fitting", "all"}))
       ->type_name("KIND")
       ->needs(adapt);
   command
@@ -316,6 +354,11 @@ std::string end_in_words(const AdaptiveFigures& figures) {
   return figures.reason.empty() ? description(figures.end).words : "no more: " + figures.reason;
 }
 
+/// Three decimals, as long as they fit the column.
+std::string effectivity_text(double effectivity) {
+  return effectivity < 1e4 ? fmt::format("{:.3f}", effectivity) : fmt::format("{:.4g}", effectivity);
+}
+
 }  // namespace
 
 std::vector<std::string> left_out_of_estimate(const Case& given) {
@@ -338,7 +381,7 @@ std::string adaptive_table(const AdaptiveFigures& figures) {
         fmt::format("{:<6}{:>12}{:>14.4g}{:>12.4g}{:>12.4g}", k, grouped(c.n_vertices), c.estimate, c.smooth, c.rough);
     if (is_known)
       text += fmt::format("{:>14.4g}{:>13}", *c.error,
-                          *c.error > 0 ? fmt::format("{:.3f}", c.estimate / *c.error) : std::string("-"));
+                          *c.error > 0 ? effectivity_text(c.estimate / *c.error) : std::string("-"));
     text += fmt::format("{:>10.3g}\n", c.seconds);
   }
   text += end_in_words(figures) + '\n';
@@ -439,7 +482,7 @@ Solved<D> solve_adaptively(Setting<D>& setting, const Domain<D>& domain, const A
                            .fix = "allow more, or begin with a larger size.",
                            .file = setting.given.file.string()});
   figures.not_estimated = left_out_of_estimate(setting.given);
-  const Mesher<D> make_next(domain, wishes, setting.given, session);
+  const Mesher<D> make_next(domain, setting.mesh, wishes, setting.given, session);
   RecoveredDerivatives<D> derivatives;
   AdaptiveCycle first;
   if (report.certificate) first.is_certified = report.certificate->ok;
@@ -484,7 +527,7 @@ Solved<D> solve_adaptively(Setting<D>& setting, const Domain<D>& domain, const A
       on_cycle(figures.cycles.size() - 1, solved.arrays);
     } catch (const LimitError& error) {
       figures.end = AdaptiveEnd::kLimit;
-      figures.reason = error.what();
+      figures.reason = in_words_of_case(error).what();
       return solved;
     } catch (const NumericalError& error) {
       figures.end = AdaptiveEnd::kNotConverged;

@@ -14,6 +14,7 @@
 #include "solve_case.h"
 #include "voropack/adaptivity.h"
 #include "voropack/domain.h"
+#include "voropack/error.h"
 
 namespace voropack::app {
 
@@ -26,6 +27,9 @@ struct AdaptiveWishes {
   double growth = 2.5;  ///< Vertices of a mesh over those of the one before, at most.
   Keep keep = Keep::kNone;
   std::string field;  ///< FILE:array that takes the place of the solution. Empty: the solution.
+
+  /// FILE of `field`. Throws OptionError cli.bad_field.
+  [[nodiscard]] std::optional<std::filesystem::path> field_file() const;
 };
 
 /// --adapt and what belongs to it.
@@ -36,6 +40,10 @@ Json options_json(const AdaptiveWishes& wishes);
 
 /// What a case has to be for that. Throws OptionError cli.contradiction, cli.missing.
 void check_adaptive(const AdaptiveWishes& wishes, const Case& given);
+
+/// A limit of meshing with the option --max-vertices of `mesh` under the name it has in a case, where --max-vertices
+/// ends an adaptive run.
+LimitError in_words_of_case(const LimitError& error);
 
 /// One solution on the way: its ErrorEstimate, and what it cost.
 struct AdaptiveCycle {

@@ -15,6 +15,7 @@
 #include "solve_output.h"
 #include "solve_report.h"
 #include "stage_clock.h"
+#include "unused_vertices.h"
 #include "voropack/mesh_domain.h"
 
 namespace voropack::app {
@@ -127,7 +128,8 @@ ExitCode solve_on_mesh(const Case& given, Mesh<D> mesh, const SolveArguments& ar
                            .message = "the mesh has no simplices",
                            .fix = "give a mesh, or a domain under [domain].",
                            .file = given.mesh->string()});
-  Setting<D> setting{.given = given, .compiled = compile_case<D>(given), .mesh = std::move(mesh)};
+  const std::vector<VertexId> unused = unused_vertices(mesh);
+  Setting<D> setting{.given = given, .compiled = compile_case<D>(given), .mesh = without(std::move(mesh), unused)};
   report.input = describe_file(*given.mesh, D);
   setting.volumes = timed(report.times, "dual", [&] { return build_control_volumes(setting.mesh, session.observer); });
   report.quality =
@@ -135,8 +137,9 @@ ExitCode solve_on_mesh(const Case& given, Mesh<D> mesh, const SolveArguments& ar
   std::optional<MeshDomain<D>> place;
   if (arguments.adaptive.is_wished)
     place = timed(report.times, "domain", [&] { return domain_of(setting.mesh, session.observer); });
-  return finish_case(setting, place ? &place->domain : nullptr, arguments, staged, report,
-                     fmt::format("{}: {}D\n\n", given.mesh->string(), D), session);
+  std::string text = fmt::format("{}: {}D\n", given.mesh->string(), D);
+  if (!unused.empty()) text += fmt::format("left out: {}\n", unused_in_words(unused));
+  return finish_case(setting, place ? &place->domain : nullptr, arguments, staged, report, text + '\n', session);
 }
 
 template <int D>
@@ -145,7 +148,13 @@ ExitCode solve_on_domain(const Case& given, const DomainInput<D>& input, const S
   Setting<D> setting{.given = given, .compiled = compile_case<D>(given)};
   const MeshingOptions<D> options =
       timed(report.times, "read", [&] { return meshing_options<D>(given.wishes, session); });
-  MeshingResult<D> result = make_mesh<D>(input, options, session.observer);
+  MeshingResult<D> result = [&] {
+    try {
+      return make_mesh<D>(input, options, session.observer);
+    } catch (const LimitError& error) {
+      throw in_words_of_case(error);
+    }
+  }();
   report.options.update(meshing_json(given.wishes, options));
   report.input = describe_domain(*given.domain, result.domain);
   describe_meshing(result, report);
@@ -170,10 +179,13 @@ void replace_outputs(const CaseOutputs& wanted, CaseOutputs& outputs) {
   if (wanted.fluxes) outputs.fluxes = wanted.fluxes;
 }
 
-void protect_inputs(const Case& given, const OutputSet& outputs) {
+void protect_inputs(const Case& given, const AdaptiveWishes& adaptive, OutputSet& outputs) {
   outputs.protect(given.file);
-  for (const std::optional<fs::path>& input : {given.mesh, given.domain, given.wishes.size_field})
-    if (input) outputs.protect(*input);
+  if (given.mesh) outputs.protect(*given.mesh);
+  if (given.domain)
+    for (const fs::path& file : domain_files(*given.domain)) outputs.protect(file);
+  for (const fs::path& file : given.wishes.files()) outputs.protect(file);
+  if (const std::optional<fs::path> field = adaptive.field_file()) outputs.protect(*field);
   for (const fs::path& level : given.levels) outputs.protect(level);
   std::vector<const CaseCoefficient*> coefficients = {&given.conductivity, &given.reaction, &given.source,
                                                       &given.capacity};
@@ -190,7 +202,7 @@ ExitCode run_solve(const SolveArguments& arguments, Session& session) {
   check_adaptive(arguments.adaptive, given);
   const StagedSolution staged =
       stage(given.outputs, given.time.has_value() || arguments.adaptive.is_wished, session.outputs);
-  protect_inputs(given, session.outputs);
+  protect_inputs(given, arguments.adaptive, session.outputs);
 
   Report report;
   report.command = "solve";

@@ -79,6 +79,8 @@ void TerminalObserver::progress(std::uint64_t done, std::uint64_t total) {
 
 void TerminalObserver::log(LogLevel level, std::string_view message) {
   if (verbosity_.quiet || (level == LogLevel::kDebug && !verbosity_.verbose)) return;
+  // What is not a warning tells how far the work is.
+  if (level == LogLevel::kInfo && verbosity_.no_progress && !verbosity_.verbose) return;
   const std::scoped_lock lock(mutex_);
   clear_bar();
   const std::string_view prefix = level == LogLevel::kWarning ? "warning: " : "";

@@ -76,6 +76,11 @@ IdVector<VertexId, VertexId> same_vertices(const Mesh<D>& from, const Mesh<D>& t
 template <int D>
 std::vector<CoarseLevel<D>> nested_levels(const Mesh<D>& finest, std::vector<Mesh<D>> coarser);
 
+/// Throws InputError transfer.not_covered if a vertex of `to` is outside of `from` by more than the edges of `from` are
+/// long there: the two are of different domains. Boundaries that were rounded or simplified differ by less. O(n).
+template <int D>
+void require_cover(const Mesh<D>& from, const Mesh<D>& to);
+
 struct TransferOptions {
   /// Shifts the values of new vertices inside each region, so that the integral over its control volumes stays; where a
   /// region has no new vertices, those of all vertices inside it.
@@ -85,6 +90,7 @@ struct TransferOptions {
 /// Values at the vertices of another mesh of the same domain: vertices that both have keep theirs, others interpolate
 /// linearly. A vertex outside of `from` takes the nearest simplex.
 /// Throws: InputError transfer.wrong_length.
+///         InputError transfer.not_covered as `require_cover`; to conserve, `to` has to cover `from` as well.
 ///         InputError transfer.not_conserved if a region has no vertex inside in which to put a difference.
 template <int D>
 IdVector<VertexId, double> transfer(const Mesh<D>& from, const IdVector<VertexId, double>& values, const Mesh<D>& to,

@@ -22,8 +22,9 @@ void check_room(const Mesh<D>& mesh, const Spacing<D>& spacing) {
     if (f[v] <= before[v] * (1 + kPackingCheckSlack)) continue;
     throw OptionError(
         Fault{.id = "refine.spacing_grows",
-              .message = fmt::format("the new spacing is {} at vertex {}, where it was {}: not all vertices can stay",
-                                     f[v], v.value(), before[v]),
+              .message = fmt::format(
+                  "the new spacing is {} at vertex {} (counted from 0), where it was {}: not all vertices can stay",
+                  f[v], v.value(), before[v]),
               .fix = "ask for a smaller spacing, or let vertices go where it grows (--keep fitting)",
               .position = {mesh.points[v].coord.begin(), mesh.points[v].coord.end()}});
   }

@@ -1,6 +1,8 @@
 // From one mesh to another: which vertices they share, and values in between.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <map>
@@ -89,7 +91,53 @@ void conserve(const Mesh<D>& from, const IdVector<VertexId, double>& before, con
   }
 }
 
+/// [n_vertices] the longest edge at each vertex.
+template <int D>
+IdVector<VertexId, double> longest_edges(const Mesh<D>& mesh) {
+  IdVector<VertexId, double> longest(mesh.points.size(), 0);
+  for (const auto& corners : mesh.simplex_vertices)
+    for (const VertexId v : corners)
+      for (const VertexId w : corners) longest[v] = std::max(longest[v], distance(mesh.points[v], mesh.points[w]));
+  return longest;
+}
+
+/// The vertices of `to` take values at the places that the weights describe; those are the vertices themselves but for
+/// vertices outside of `from`.
+template <int D>
+void check_cover(const Mesh<D>& from, const SparseMatrix& weights, const Mesh<D>& to) {
+  const IdVector<VertexId, double> longest = longest_edges(from);
+  IdVector<VertexId, double> away(to.points.size()), allowed(to.points.size());
+  parallel_for(away.size(), [&](std::size_t row) {
+    const VertexId v(row);
+    Vec<D> offset{};
+    double reach = 0;
+    for (std::uint64_t k = weights.offsets[row]; k < weights.offsets[row + 1]; ++k) {
+      const VertexId column(weights.columns[k]);
+      offset = offset + weights.values[k] * (from.points[column] - to.points[v]);
+      reach = std::max(reach, longest[column]);
+    }
+    away[v] = norm(offset);
+    allowed[v] = reach;
+  });
+  VertexId worst;
+  for (const VertexId v : ids(away))
+    if (away[v] > allowed[v] && (worst.is_none() || away[v] * allowed[worst] > away[worst] * allowed[v])) worst = v;
+  if (worst.is_none()) return;
+  const auto& x = to.points[worst].coord;
+  throw InputError(Fault{.id = "transfer.not_covered",
+                         .message = fmt::format("the mesh of the values does not reach ({}): it ends {:.3g} away from "
+                                                "there, where its edges are at most {:.3g} long",
+                                                fmt::join(x, ", "), away[worst], allowed[worst]),
+                         .fix = "give values on a mesh of the same domain",
+                         .position = {x.begin(), x.end()}});
+}
+
 }  // namespace
+
+template <int D>
+void require_cover(const Mesh<D>& from, const Mesh<D>& to) {
+  check_cover(from, barycentric_prolongation(from, to, same_vertices(from, to).raw()), to);
+}
 
 template <int D>
 IdVector<VertexId, VertexId> same_vertices(const Mesh<D>& from, const Mesh<D>& to) {
@@ -118,7 +166,8 @@ std::vector<CoarseLevel<D>> nested_levels(const Mesh<D>& finest, std::vector<Mes
       if (at.is_none())
         throw InputError(
             Fault{.id = "refine.not_nested",
-                  .message = fmt::format("vertex {} of coarse mesh {} is not in the next finer mesh", v.value(), k + 1),
+                  .message = fmt::format("vertex {} (counted from 0) of coarse mesh {} is not in the next finer mesh",
+                                         v.value(), k + 1),
                   .fix = "give meshes that were refined with all vertices kept, or coarsened, the finest first",
                   .position = {level.mesh.points[v].coord.begin(), level.mesh.points[v].coord.end()}});
       if (finer != nullptr) at = finer->finest_vertex[at];  // It was in the finer mesh.
@@ -139,6 +188,7 @@ IdVector<VertexId, double> transfer(const Mesh<D>& from, const IdVector<VertexId
               .fix = "give one value for each vertex"});
   const IdVector<VertexId, VertexId> old_vertex = same_vertices(from, to);
   const SparseMatrix weights = barycentric_prolongation(from, to, old_vertex.raw());
+  check_cover(from, weights, to);
   IdVector<VertexId, double> result(to.points.size());
   parallel_for(result.size(), [&](std::size_t row) {
     double sum = 0;
@@ -146,11 +196,13 @@ IdVector<VertexId, double> transfer(const Mesh<D>& from, const IdVector<VertexId
       sum += weights.values[k] * values[VertexId(weights.columns[k])];
     result[VertexId(row)] = sum;
   });
+  if (options.conserve) require_cover(to, from);  // Else the integrals are over different domains.
   if (options.conserve) conserve(from, values, to, old_vertex, result);
   return result;
 }
 
 #define VOROPACK_INSTANTIATE(D)                                                                                   \
+  template void require_cover(const Mesh<D>&, const Mesh<D>&);                                                    \
   template IdVector<VertexId, VertexId> same_vertices(const Mesh<D>&, const Mesh<D>&);                            \
   template std::vector<CoarseLevel<D>> nested_levels(const Mesh<D>&, std::vector<Mesh<D>>);                       \
   template IdVector<VertexId, double> transfer(const Mesh<D>&, const IdVector<VertexId, double>&, const Mesh<D>&, \

@@ -39,8 +39,8 @@ void check_range(const ControlVolumes<D>& volumes, const IdVector<CellId, double
   const VertexId v = volumes.cell_vertex[c];
   const Vec<D>& x = volumes.sites[v];
   fail_input(std::string(quantity.fault),
-             fmt::format("{} is {} in region {} at vertex {} near {}", quantity.name, values[c], volumes.cell_region[c],
-                         v.value(), place_text(x)),
+             fmt::format("{} is {} in region {} at vertex {} (counted from 0) near {}", quantity.name, values[c],
+                         volumes.cell_region[c], v.value(), place_text(x)),
              std::string(wanted(quantity.range)), {x.coord.begin(), x.coord.end()});
 }
 

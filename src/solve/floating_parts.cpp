@@ -39,7 +39,7 @@ void balance_load(const IdVector<VertexId, double>& volume, const RegionsOf& reg
   if (!(std::abs(part.gain) <= kMaxGain * magnitude))
     throw InputError(
         Fault{.id = "solve.incompatible",
-              .message = fmt::format("{} gains {:.6g} on the whole and has no way to lose it",
+              .message = fmt::format("{}: a gain of {:.6g} on the whole with no way to lose it",
                                      region_text(regions_of(part.vertices)), part.gain),
               .fix = "make the source and the inflow through the boundary add up to 0, or give a Dirichlet condition"});
   for (const VertexId v : part.vertices) system.load[v] -= part.gain * (volume[v] / part.volume);

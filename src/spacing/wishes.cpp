@@ -127,7 +127,9 @@ void add_places(const SizeWishes<D>& wishes, double edge_per_spacing, SizeAtoms<
   for (const auto& [points, radius, size] : wishes.tubes) {
     check_size(size, "the size along a line");
     if (!(std::isfinite(radius) && radius >= 0) || points.empty())
-      fail("spacing.bad_size", fmt::format("a line of {} points has the radius {}", points.size(), radius),
+      fail("spacing.bad_size",
+           points.size() == 1 ? fmt::format("a ball has the radius {}", radius)
+                              : fmt::format("a line of {} points has the radius {}", points.size(), radius),
            "give at least one point, and a radius of at least 0");
     const std::size_t last = points.size() - 1;
     for (std::size_t i = 0; i < std::max<std::size_t>(last, 1); ++i)

@@ -57,6 +57,37 @@ class AdaptTest(CommandLineTest):
         away = abs(mesh.points[:, 0] - 0.5)
         self.assertLess(3 * numpy.median(fine[away < 0.05]), numpy.median(fine[away > 0.3]))
 
+    def test_fields_that_cannot_be_followed(self):
+        self.write("half.poly", square_poly(0.5))
+        for domain, name in (("half.poly", "half"), ("square.poly", "whole")):
+            self.write("case.toml", CASE.replace("square.poly", domain))
+            self.succeed("solve", "case.toml", "-o", f"{name}.vtu", "--quiet")
+        self.fail_with(2, "solve", "layer.toml", "--adapt", "--max-vertices", "500", "--adapt-field", "half.vtu:u", "-o",
+                       "no.vtu", words=["half.vtu", "transfer.not_covered", "same domain"])
+        mesh = meshio.read(self.folder / "whole.vtu")
+        mesh.point_data["u"][3] = numpy.nan
+        mesh.write(self.folder / "nan.vtu")
+        self.fail_with(2, "solve", "layer.toml", "--adapt", "--max-vertices", "500", "--adapt-field", "nan.vtu:u", "-o",
+                       "no.vtu", words=["nan.vtu", 'array "u" is nan at vertex 3', "adapt.not_finite"])
+        for transfer in ("interpolate", "conserve"):
+            self.write("on.toml", CASE + f'''
+[time]
+end = 0.1
+step = 0.05
+initial = {{array = "u", file = "half.vtu", transfer = "{transfer}"}}
+''')
+            self.fail_with(2, "solve", "on.toml", "-o", "no.vtu",
+                           words=["on.toml", "half.vtu", "does not reach", "transfer.not_covered"])
+        # Values from a larger domain cover this one, but their integral is another.
+        self.write("on.toml", CASE.replace("square.poly", "half.poly") + '''
+[time]
+end = 0.1
+step = 0.05
+initial = {array = "u", file = "whole.vtu", transfer = "conserve"}
+''')
+        self.fail_with(2, "solve", "on.toml", "-o", "no.vtu", words="transfer.not_covered")
+        self.assertFalse((self.folder / "no.vtu").exists())
+
     def test_a_budget_is_kept(self):
         for keep in ("none", "fitting", "all"):
             figures = self.adapt("--max-vertices", "2000", "--keep", keep, "-o", "layer.vtu")
@@ -130,7 +161,8 @@ class AdaptTest(CommandLineTest):
         self.write("small.toml", CASE.replace("size = 0.2", "size = 0.2\nmax_vertices = 400"))
         figures = self.adapt("--cycles", "6", "-o", "small.vtu", case="small.toml", code=3)
         self.assertEqual(figures["end"], "limit")
-        self.assertIn("vertices", figures["reason"])
+        self.assertIn("max_vertices under [domain]", figures["reason"])
+        self.assertNotIn("--max-vertices", figures["reason"])
         self.assertTrue((self.folder / f"small_{len(figures['cycles']) - 1:04}.vtu").exists())
         result = self.run_program("solve", "layer.toml", "--adapt", "--max-vertices", "10", "-o", "none.vtu")
         self.assertEqual(result.returncode, 3)

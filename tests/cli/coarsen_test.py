@@ -82,6 +82,29 @@ class Coarsen(CommandLineTest):
             self.assertEqual(result.returncode, 2)
             self.assertIn("mesh.other_domain", result.stderr)
 
+    def test_no_level_of_an_earlier_hierarchy_stays(self):
+        self.succeed("coarsen", "fine.node", "--levels", "3", "-o", "out", "--quiet")
+        out = self.folder / "out"
+        for name in ("level-04.node", "level-9.vtu", "notes-2.txt"):
+            (out / name).write_text("the user's own")
+        earlier = {path.name for path in out.iterdir()}
+        self.fail_with(2, "coarsen", "missing.node", "--levels", "1", "-o", "out")
+        self.assertEqual({path.name for path in out.iterdir()}, earlier)
+        result = self.succeed("coarsen", "fine.node", "--levels", "1", "-o", "out")
+        self.assertIn("removed: level 2, 3 of an earlier hierarchy there", result.stdout)
+        self.assertEqual({path.name for path in out.iterdir()},
+                         {name for name in earlier if not name.startswith(("level-2.", "level-3.", "prolongation-2.",
+                                                                           "prolongation-3."))})
+        self.assertNotIn("removed", self.succeed("coarsen", "fine.node", "--levels", "1", "-o", "out").stdout)
+
+    def test_unknown_choices_are_told_the_known_ones(self):
+        for option, words in (("--order", "must be one of curve, front, random, not 'foo'"),
+                              ("--initial", "must be one of mean-edge, nearest, not 'foo'")):
+            self.fail_with(2, "coarsen", "fine.node", "-o", "out", option, "foo", words=words)
+        text = self.succeed("coarsen", "--help").stdout
+        self.assertNotIn("ENUM", text)
+        self.assertIn("--order curve|front|random", text)
+
     def test_bad_options_are_refused(self):
         for bad in (["--growth", "1"], ["--levels", "0"], ["--lipschitz", "1"], ["--initial", "what"]):
             result = self.run_program("coarsen", "fine.node", "-o", "out", *bad)

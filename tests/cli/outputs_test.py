@@ -75,7 +75,25 @@ class Files(CommandLineTest):
         self.fail_with(2, "convert", "a.node", "a.node", words="input and the output")
         self.fail_with(2, "mesh", "box.poly", "-o", "a.vtu", "-o", "./a.vtu", words="twice")
         self.fail_with(2, "stats", "a.node", "--report", "a.node", words="input and the output")
+        for outputs in (["-o", "a.node"], ["-o", "b.node", "-o", "./a.node"], ["-o", "b.vtu", "--report", "a.ele"]):
+            self.fail_with(2, "refine", "a.node", *outputs, words="input and the output")
+        self.fail_with(2, "refine", "a.node", "--domain", "box.poly", "-o", "b.node", "--report", "box.poly",
+                       words="input and the output")
+        self.succeed("mesh", "box.poly", "-o", "sizes.node", "--size", "0.6")
+        self.fail_with(2, "refine", "a.node", "--size-field", "sizes.node", "-o", "sizes.node",
+                       words="input and the output")
         self.assertEqual((self.folder / "a.node").read_bytes(), before)
+
+    def test_a_hierarchy_is_never_written_over_its_input(self):
+        self.succeed("mesh", "box.poly", "-o", "a.node", "--size", "0.2")
+        self.succeed("coarsen", "a.node", "-o", "levels", "--levels", "3")
+        before = {path.name: path.read_bytes() for path in (self.folder / "levels").iterdir()}
+        self.assertIn("level-3.node", before)
+        # Level 1 would be written over, level 3 removed.
+        for level in (1, 3):
+            self.fail_with(2, "coarsen", f"levels/level-{level}.node", "-o", "levels", "--levels", "1",
+                           words="input and the output")
+        self.assertEqual({path.name: path.read_bytes() for path in (self.folder / "levels").iterdir()}, before)
 
     def test_a_failed_run_keeps_the_old_file(self):
         self.write("a.vtu", "old")

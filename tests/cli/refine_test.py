@@ -46,6 +46,59 @@ class Refine(CommandLineTest):
         self.refined("--levels", "0")
         self.assertEqual(len(self.points("fine.node")), len(self.points("coarse.node")))
 
+    def test_the_spacing_grows_where_vertices_may_go(self):
+        report = self.refined("--keep", "fitting", "--size", "0.6")
+        figures, n = report["refinement"], len(self.points("coarse.node"))
+        self.assertGreater(figures["removed"], n // 4)
+        self.assertEqual(figures["kept"] + figures["removed"], n)
+        self.assertEqual(len(self.points("fine.node")), figures["kept"] + figures["added"])
+        self.succeed("check", "fine.node", "--domain", "two.poly")
+        # A fine place moves.
+        self.refined("--size", "0.3", "--ball", "0.5,0.5,0.5,0.1=0.08")
+        (self.folder / "fine.node").rename(self.folder / "coarse.node")
+        for end in ("ele", "face", "edge"):
+            (self.folder / f"fine.{end}").rename(self.folder / f"coarse.{end}")
+        figures = self.refined("--keep", "fitting", "--size", "0.3", "--ball", "1.5,0.5,0.5,0.1=0.08")["refinement"]
+        for count in figures.values():
+            self.assertGreater(count, 20)
+        # Levels are counted from the mesh's own spacing.
+        self.assertEqual(self.refined("--keep", "fitting", "--levels", "0", "--size", "0.6")["refinement"]["removed"], 0)
+
+    def test_sizes_that_change_nothing_are_said_to(self):
+        result = self.succeed("refine", "coarse.node", "-o", "fine.node", "--size", "1")
+        self.assertIn(" 0 added, 0 removed", result.stdout)
+        self.assertIn("--keep fitting", result.stdout)
+        self.assertNotIn("--keep fitting", self.succeed("refine", "coarse.node", "-o", "fine.node").stdout)
+
+    def test_vertices_of_no_simplex_are_left_out(self):
+        header, rows = read_table(self.folder / "coarse.node")
+        n = len(rows)
+        row = [str(n + 1), "0.123", "0.234", "0.345", *rows[-1][4:]]
+        self.write("loose.node", "\n".join(" ".join(line) for line in [[str(n + 1), *header[1:]], *rows, row]) + "\n")
+        for ending in ("ele", "face", "edge"):
+            self.write(f"loose.{ending}", (self.folder / f"coarse.{ending}").read_text())
+        result = self.succeed("refine", "loose.node", "-o", "fine.node", "--report", "report.json")
+        self.assertIn(f"1 vertex of no simplex: {n} (counted from 0)", result.stdout)
+        self.assertEqual(self.report()["refinement"]["unused"], 1)
+        self.assertNotIn(tuple(row[1:4]), self.points("fine.node"))
+        expected = (self.folder / "fine.node").read_bytes()
+        self.refined()
+        self.assertEqual((self.folder / "fine.node").read_bytes(), expected)
+        self.write("case.toml", '[mesh]\nfile = "loose.node"\n[boundary.others]\ntype = "dirichlet"\nvalue = "x"\n'
+                   '[exact]\nu = "x"\n')
+        result = self.succeed("solve", "case.toml", "-o", "u.vtu", "--report", "report.json")
+        self.assertIn(f"1 vertex of no simplex: {n} (counted from 0)", result.stdout)
+        self.assertLess(self.report()["solve"]["errors"]["max"], 1e-9)
+
+    def test_a_ball_has_no_negative_radius(self):
+        self.fail_with(2, "refine", "coarse.node", "-o", "fine.node", "--ball", "1,0,0,-0.5=0.1",
+                       words="a ball has the radius -0.5")
+
+    def test_progress_can_be_silenced(self):
+        self.write("needle.poly", "3 2 0 0\n1 0 0\n2 1 0\n3 1 0.05\n3 1\n1 1 2 1\n2 2 3 2\n3 3 1 3\n0\n")
+        self.assertIn("round", self.succeed("mesh", "needle.poly", "-o", "needle.node").stderr)
+        self.assertEqual(self.succeed("mesh", "needle.poly", "-o", "needle.node", "--no-progress").stderr, "")
+
     def test_what_cannot_stay(self):
         result = self.run_program("refine", "coarse.node", "-o", "fine.node", "--ball", "0.5,0.5=0.1")
         self.assertEqual(result.returncode, 2)

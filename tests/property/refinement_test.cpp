@@ -245,6 +245,31 @@ TYPED_TEST(Refinement, MakesLevelsForMultigrid) {
   EXPECT_EQ(refuse(meshes[0], {meshes[2], meshes[1]}), "refine.not_nested") << "each has to be in the one before";
 }
 
+TYPED_TEST(Refinement, TransfersValuesWithinOneDomainOnly) {
+  constexpr int D = TypeParam::value;
+  MeshingOptions<D> options;
+  options.wishes.size = 0.3;
+  const Mesh<D> whole = make_mesh(domains::unit_box<D>(), options).mesh;
+  const auto scaled = [&](double factor) {
+    Mesh<D> mesh = whole;
+    for (Vec<D>& x : mesh.points) x = factor * x;
+    return mesh;
+  };
+  const auto values = [](const Mesh<D>& mesh) { return IdVector<VertexId, double>(mesh.points.size(), 1.0); };
+  // As far as boundaries differ that were rounded or simplified.
+  const Mesh<D> near = scaled(0.95);
+  for (const double value : transfer(near, values(near), whole)) EXPECT_NEAR(value, 1, 1e-12);
+  EXPECT_NO_THROW(require_cover(near, whole));
+  const Mesh<D> half = scaled(0.3);
+  const Fault fault = test::fault_of<InputError>([&] { transfer(half, values(half), whole); });
+  EXPECT_EQ(fault.id, "transfer.not_covered");
+  EXPECT_GT(*std::ranges::max_element(fault.position), 0.6) << "the worst place is far outside";
+  // Larger than wanted is enough, but not to conserve.
+  EXPECT_NO_THROW(transfer(whole, values(whole), half));
+  EXPECT_EQ(test::fault_of<InputError>([&] { transfer(whole, values(whole), half, {.conserve = true}); }).id,
+            "transfer.not_covered");
+}
+
 TYPED_TEST(Refinement, TransfersValues) {
   constexpr int D = TypeParam::value;
   MeshingOptions<D> options;

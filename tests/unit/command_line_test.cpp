@@ -168,6 +168,38 @@ TEST_F(Outputs, OneNameCannotBeGivenTwiceNorBeTheInput) {
   EXPECT_THROW(outputs.protect(folder_ / "a.node"), OptionError);
 }
 
+TEST_F(Outputs, AnInputIsSafeFromWhatIsStagedLaterOrFoundBesideIt) {
+  for (const char* name : {"a.node", "a.ele", "b_0001.vtu"}) write(folder_ / name, "input");
+  OutputSet outputs;
+  outputs.protect(folder_ / "a.node");
+  outputs.protect(folder_ / "b_0001.vtu");
+  EXPECT_THROW(outputs.stage(folder_ / "." / "a.node"), OptionError);
+  EXPECT_THROW(outputs.stage(folder_ / "a.ele"), OptionError);
+  EXPECT_THROW(outputs.replace(folder_ / "a.node"), OptionError);
+  const fs::path staged = outputs.stage(folder_ / "b.pvd");
+  write(staged, "new");
+  write(staged.parent_path() / "b_0001.vtu", "new");
+  EXPECT_THROW(outputs.publish(), OptionError);
+  EXPECT_FALSE(fs::exists(folder_ / "b.pvd"));
+  for (const char* name : {"a.node", "a.ele", "b_0001.vtu"}) EXPECT_EQ(read(folder_ / name), "input") << name;
+}
+
+TEST_F(Outputs, WhatIsReplacedStaysUntilThereIsAnother) {
+  for (const char* name : {"1.vtu", "2.vtu"}) write(folder_ / name, "old");
+  {
+    OutputSet outputs;
+    outputs.replace(folder_ / "1.vtu");
+  }
+  EXPECT_EQ(read(folder_ / "1.vtu"), "old");
+  OutputSet outputs;
+  for (const char* name : {"1.vtu", "2.vtu", "3.vtu"}) outputs.replace(folder_ / name);
+  write(outputs.stage(folder_ / "1.vtu"), "new");
+  outputs.publish();
+  EXPECT_EQ(read(folder_ / "1.vtu"), "new");
+  EXPECT_FALSE(fs::exists(folder_ / "2.vtu"));
+  EXPECT_EQ(n_entries(), 1U);
+}
+
 TEST_F(Outputs, NothingIsPublishedAfterAbandon) {
   OutputSet outputs;
   write(outputs.stage(folder_ / "a.vtu"), "new");
