@@ -12,8 +12,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/place_text.h"
 #include "delaunay/face_table.h"
 #include "delaunay/wall_patches.h"
+#include "geom/tolerance.h"
 #include "mesh/faces.h"
 #include "mesh/vertex_set_table.h"
 #include "voropack/delaunay.h"
@@ -25,8 +27,29 @@ namespace {
 [[noreturn]] void fail(std::string message, std::vector<double> position = {}) {
   throw InputError(Fault{.id = "mesh.boundary_lost",
                          .message = std::move(message),
-                         .fix = "mesh the domain again (voropack mesh): its boundary is not Delaunay",
+                         .fix = "mesh the domain again (voropack mesh)",
                          .position = std::move(position)});
+}
+
+/// Beyond these limits products of coordinates leave the range of doubles.
+template <int D>
+void check_size(const Mesh<D>& mesh) {
+  Box<D> box;
+  for (const VertexId v : ids(mesh.points)) {
+    const Vec<D>& x = mesh.points[v];
+    for (int k = 0; k < D; ++k)
+      if (!(std::abs(x[k]) <= kMaxCoordinate))
+        throw InputError(
+            Fault{.id = "mesh.too_large",
+                  .message = fmt::format("vertex {} lies at {}, beyond {:g}", v.value(), place_text(x), kMaxCoordinate),
+                  .fix = "scale the mesh down",
+                  .position = {x.coord.begin(), x.coord.end()}});
+    box.add(x);
+  }
+  if (!(box.diagonal() >= kMinDiameter))
+    throw InputError(Fault{.id = "mesh.too_small",
+                           .message = fmt::format("all vertices lie within {:g} of each other", kMinDiameter),
+                           .fix = "scale the mesh up"});
 }
 
 /// The Delaunay triangulation of the vertices that simplices use; regions are not known yet.
@@ -256,7 +279,10 @@ void check_volumes(const Mesh<D>& mesh, const Mesh<D>& old, const FaceTable<D>& 
     const auto found = now.find(region);
     const double other = found == now.end() ? 0 : found->second;
     if (!(std::abs(other - volume) <= kSame * volume))
-      fail(fmt::format("region {} had the volume {:.10g} and would have {:.10g}", region, volume, other));
+      fail(
+          fmt::format("region {} had the volume {:.10g} and would have {:.10g}: not all faces that bound it are in the "
+                      "mesh, or in the Delaunay triangulation",
+                      region, volume, other));
   }
 }
 
@@ -265,6 +291,7 @@ void check_volumes(const Mesh<D>& mesh, const Mesh<D>& old, const FaceTable<D>& 
 template <int D>
 Mesh<D> retriangulate(const Mesh<D>& old, Observer& observer) {
   observer.begin_stage("delaunay");
+  check_size(old);
   Mesh<D> mesh = triangulate_vertices(old);
   observer.check_cancelled();
   const FaceTable<D> old_faces(old);
