@@ -1,5 +1,8 @@
 #include "known_domain.h"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
 
 #include "parameters.h"
@@ -30,6 +33,13 @@ Domain<D> read_known_domain(const KnownDomain& known, Observer& observer) {
                          .file = known.file->string()});
 }
 
+/// What no other domain of the same vertices mends.
+bool is_about_coordinates(const Fault& fault) {
+  constexpr std::array<std::string_view, 4> kIds = {"domain.too_large", "domain.too_small", "domain.too_far",
+                                                    "domain.empty"};
+  return std::find(kIds.begin(), kIds.end(), fault.id) != kIds.end();
+}
+
 template <int D>
 MeshDomain<D> find_place(const Mesh<D>& mesh, const KnownDomain& known, Observer& observer) {
   if (known.file)
@@ -39,7 +49,8 @@ MeshDomain<D> find_place(const Mesh<D>& mesh, const KnownDomain& known, Observer
     return domain_of(mesh, observer);
   } catch (const InputError& error) {
     std::vector<Fault> faults = error.faults();
-    for (Fault& fault : faults) fault.fix = "name the domain that the mesh was made of: --domain FILE.";
+    for (Fault& fault : faults)
+      if (!is_about_coordinates(fault)) fault.fix = "name the domain that the mesh was made of: --domain FILE.";
     throw InputError(std::move(faults));
   }
 }
