@@ -33,9 +33,9 @@ Domain<D> read_known_domain(const KnownDomain& known, Observer& observer) {
                          .file = known.file->string()});
 }
 
-/// What no other domain of the same vertices mends.
-bool is_about_coordinates(const Fault& fault) {
-  constexpr std::array<std::string_view, 4> kIds = {"domain.too_large", "domain.too_small", "domain.too_far",
+/// What no domain of the same vertices mends.
+bool is_about_vertices(const Fault& fault) {
+  constexpr std::array<std::string_view, 5> kIds = {"mesh.empty", "mesh.too_large", "mesh.too_small", "domain.too_far",
                                                     "domain.empty"};
   return std::find(kIds.begin(), kIds.end(), fault.id) != kIds.end();
 }
@@ -50,7 +50,7 @@ MeshDomain<D> find_place(const Mesh<D>& mesh, const KnownDomain& known, Observer
   } catch (const InputError& error) {
     std::vector<Fault> faults = error.faults();
     for (Fault& fault : faults)
-      if (!is_about_coordinates(fault)) fault.fix = "name the domain that the mesh was made of: --domain FILE.";
+      if (!is_about_vertices(fault)) fault.fix = "name the domain that the mesh was made of: --domain FILE.";
     throw InputError(std::move(faults));
   }
 }

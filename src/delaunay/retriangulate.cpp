@@ -12,10 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/place_text.h"
 #include "delaunay/face_table.h"
 #include "delaunay/wall_patches.h"
-#include "geom/tolerance.h"
+#include "mesh/extent.h"
 #include "mesh/faces.h"
 #include "mesh/vertex_set_table.h"
 #include "voropack/delaunay.h"
@@ -29,27 +28,6 @@ namespace {
                          .message = std::move(message),
                          .fix = "mesh the domain again (voropack mesh)",
                          .position = std::move(position)});
-}
-
-/// Beyond these limits products of coordinates leave the range of doubles.
-template <int D>
-void check_size(const Mesh<D>& mesh) {
-  Box<D> box;
-  for (const VertexId v : ids(mesh.points)) {
-    const Vec<D>& x = mesh.points[v];
-    for (int k = 0; k < D; ++k)
-      if (!(std::abs(x[k]) <= kMaxCoordinate))
-        throw InputError(
-            Fault{.id = "mesh.too_large",
-                  .message = fmt::format("vertex {} lies at {}, beyond {:g}", v.value(), place_text(x), kMaxCoordinate),
-                  .fix = "scale the mesh down",
-                  .position = {x.coord.begin(), x.coord.end()}});
-    box.add(x);
-  }
-  if (!(box.diagonal() >= kMinDiameter))
-    throw InputError(Fault{.id = "mesh.too_small",
-                           .message = fmt::format("all vertices lie within {:g} of each other", kMinDiameter),
-                           .fix = "scale the mesh up"});
 }
 
 /// The Delaunay triangulation of the vertices that simplices use; regions are not known yet.
@@ -291,7 +269,7 @@ void check_volumes(const Mesh<D>& mesh, const Mesh<D>& old, const FaceTable<D>& 
 template <int D>
 Mesh<D> retriangulate(const Mesh<D>& old, Observer& observer) {
   observer.begin_stage("delaunay");
-  check_size(old);
+  check_extent(old);
   Mesh<D> mesh = triangulate_vertices(old);
   observer.check_cancelled();
   const FaceTable<D> old_faces(old);

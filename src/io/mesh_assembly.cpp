@@ -72,9 +72,11 @@ void orient(const Mesh<D>& mesh, Listing<D + 1>& simplices, FaultySimplices faul
             "remove it, move one of its vertices, or triangulate the points anew (--redelaunay)");
   if (faulty == FaultySimplices::kRefuse) return;
   const auto count = [&](int wanted) { return static_cast<std::size_t>(std::count(sign.begin(), sign.end(), wanted)); };
-  // Some programs count corners the other way round; what differs from the rest is inverted.
+  // Some programs count corners the other way round; what differs from most may be inverted.
   if (const std::size_t n_turned = std::min(count(1), count(-1)); n_turned > 0)
-    observer.log(LogLevel::kWarning, simplices_were(n_turned, "inverted, and turned"));
+    observer.log(LogLevel::kInfo,
+                 fmt::format("{} of {} simplices had another orientation than the others, and {} turned", n_turned, n,
+                             n_turned == 1 ? "was" : "were"));
   if (first_flat == n) return;
   observer.log(LogLevel::kWarning, simplices_were(count(0), "flat, and left out"));
   std::vector<std::uint8_t> is_flat(n);

@@ -8,6 +8,7 @@
 #include "base/disjoint_sets.h"
 #include "base/parallel.h"
 #include "geom/tolerance.h"
+#include "mesh/extent.h"
 #include "mesh/faces.h"
 #include "mesh_domain/boundary_complex.h"
 #include "mesh_domain/simplex_blocks.h"
@@ -352,6 +353,7 @@ class DomainMaker {
 template <int D>
 MeshDomain<D> domain_of(const Mesh<D>& mesh, Observer& observer) {
   observer.begin_stage("domain");
+  check_extent(mesh);
   return DomainMaker<D>(mesh).run(observer);
 }
 

@@ -77,10 +77,10 @@ class Formats(CommandLineTest):
         self.write_square(elements=good + ("6 5 2", "1 2 5"))
         self.succeed_anew("2 simplices were listed before")
         self.write_square(elements=("1 5 2",) + good[1:])
-        self.succeed_anew("1 simplex was inverted")
+        self.succeed_anew("1 of 6 simplices had another orientation")
         # All the other way round is another convention.
         self.write_square(elements=[corners[::-1] for corners in good])
-        self.assertNotIn("inverted", self.succeed("stats", "s.node", "--redelaunay").stderr)
+        self.assertNotIn("orientation", self.succeed("stats", "s.node", "--redelaunay").stderr)
         # The fifth point beyond the sixth one: triangles around both are folded over.
         self.write_square(fifth="0.9 0.5")
         self.fail_with(2, "stats", "s.node", words=["mesh.overlapping_simplices", "--redelaunay"])
@@ -94,7 +94,13 @@ class Formats(CommandLineTest):
             self.write("s.node", f"3 2 0 0\n1 0 0\n2 {size} 0\n3 0 {size}\n")
             self.write("s.ele", "1 3 0\n1 1 2 3\n")
             self.write("s.edge", "0 1\n")
-            self.fail_with(2, "stats", "s.node", "--redelaunay", words=[words])
+            for command in (["stats", "s.node", "--redelaunay"], ["coarsen", "s.node", "-o", "levels"],
+                            ["refine", "s.node", "-o", "fine.node"]):
+                result = self.fail_with(2, *command, words=[words, "scale the mesh"])
+                self.assertNotIn("--domain", result.stderr)
+        self.write("s.ele", "0 3 0\n")
+        for command in (["stats", "s.node", "--redelaunay"], ["coarsen", "s.node", "-o", "levels"]):
+            self.fail_with(2, *command, words=["mesh.empty"])
 
     def test_arrays_are_read_by_readers_that_move_them(self):
         """meshio 5.0 gives arrays new offsets from the front of the data on, and looks for the next one by its offset."""
