@@ -18,7 +18,7 @@ void add_redelaunay_option(CLI::App& app, bool& redelaunay) {
 AnyMesh read_mesh_or_triangulate(const std::filesystem::path& path, bool redelaunay, Observer& observer) {
   if (!redelaunay) return read_mesh(path, observer);
   return std::visit([&](const auto& mesh) { return AnyMesh(retriangulate(mesh, observer)); },
-                    read_mesh(path, observer, FlatSimplices::kLeaveOut));
+                    read_mesh(path, observer, FaultySimplices::kAccept));
 }
 
 int thread_count(int wanted) { return wanted > 0 ? wanted : tbb::info::default_concurrency(); }

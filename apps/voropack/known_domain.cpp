@@ -1,5 +1,8 @@
 #include "known_domain.h"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
 
 #include "meshing.h"
@@ -35,6 +38,13 @@ Domain<D> read_known_domain(const KnownDomain& known, Observer& observer) {
                          .file = known.file->string()});
 }
 
+/// What no domain of the same vertices mends.
+bool is_about_vertices(const Fault& fault) {
+  constexpr std::array<std::string_view, 5> kIds = {"mesh.empty", "mesh.too_large", "mesh.too_small", "domain.too_far",
+                                                    "domain.empty"};
+  return std::find(kIds.begin(), kIds.end(), fault.id) != kIds.end();
+}
+
 template <int D>
 MeshDomain<D> find_place(const Mesh<D>& mesh, const KnownDomain& known, Observer& observer) {
   if (known.file)
@@ -44,7 +54,8 @@ MeshDomain<D> find_place(const Mesh<D>& mesh, const KnownDomain& known, Observer
     return domain_of(mesh, observer);
   } catch (const InputError& error) {
     std::vector<Fault> faults = error.faults();
-    for (Fault& fault : faults) fault.fix = "name the domain that the mesh was made of: --domain FILE.";
+    for (Fault& fault : faults)
+      if (!is_about_vertices(fault)) fault.fix = "name the domain that the mesh was made of: --domain FILE.";
     throw InputError(std::move(faults));
   }
 }

@@ -56,6 +56,22 @@ bool is_relied_upon(std::string_view check) {
   return std::find(kNot.begin(), kNot.end(), check) == kNot.end();
 }
 
+template <class Id>
+void forget(IdVector<Id, int>& markers) {
+  std::fill(markers.begin(), markers.end(), 0);
+}
+
+/// A domain that is known gives the new mesh its markers, whatever those of the old one are.
+template <int D>
+Certificate certify_without_markers(Mesh<D> mesh, Domain<D> domain, const ControlVolumes<D>& volumes,
+                                    const CertificateOptions& claims, Observer& observer) {
+  forget(mesh.boundary_marker);
+  forget(mesh.segment_edge_marker);
+  forget(domain.segment_marker);
+  forget(domain.facet_marker);
+  return certify(mesh, volumes, &domain, claims, observer);
+}
+
 /// The names of the checks that the mesh given fails.
 template <int D>
 std::vector<std::string> failed_checks(const Mesh<D>& mesh, const Domain<D>& domain, const RefineArguments& arguments,
@@ -63,7 +79,10 @@ std::vector<std::string> failed_checks(const Mesh<D>& mesh, const Domain<D>& dom
   CertificateOptions claims;
   claims.form = arguments.wishes.packing.form;
   claims.epsilon = arguments.wishes.packing.epsilon;
-  const Certificate certificate = certify(mesh, build_control_volumes(mesh, observer), &domain, claims, observer);
+  const ControlVolumes<D> volumes = build_control_volumes(mesh, observer);
+  const Certificate certificate = arguments.domain.file
+                                      ? certify_without_markers(mesh, domain, volumes, claims, observer)
+                                      : certify(mesh, volumes, &domain, claims, observer);
   std::vector<std::string> failed;
   for (const Certificate::Check& check : certificate.checks)
     if (!check.ok && is_relied_upon(check.name)) failed.push_back(check.name);
@@ -108,10 +127,14 @@ ExitCode refine_mesh(const Mesh<D>& given, const RefineArguments& arguments, Sta
   const std::vector<std::string> failed =
       timed(times, "certificate", [&] { return failed_checks(mesh, place.domain, arguments, observer); });
   if (!failed.empty() && !arguments.force)
-    throw InputError(Fault{.id = "refine.not_certified",
-                           .message = fmt::format("the mesh fails {} of its certificate", fmt::join(failed, ", ")),
-                           .fix = "see `voropack check`; --redelaunay triangulates its points anew, --force goes on",
-                           .file = arguments.mesh.string()});
+    throw InputError(
+        Fault{.id = "refine.not_certified",
+              .message = fmt::format("the mesh fails {} of its certificate", fmt::join(failed, ", ")),
+              .fix = arguments.redelaunay
+                         ? "see `voropack check --redelaunay`; --force goes on, `voropack mesh` meshes the "
+                           "domain again"
+                         : "see `voropack check`; --redelaunay triangulates its points anew, --force goes on",
+              .file = arguments.mesh.string()});
 
   const Spacing<D> spacing =
       timed(times, "spacing", [&] { return new_spacing(mesh, place.domain, arguments, options, observer); });

@@ -31,15 +31,17 @@ PackingMesh<D> triangulate_packing(const Domain<D>& domain, Packing<D> packing, 
 template <int D>
 Triangulation<D> delaunay_triangulation(const std::vector<Vec<D>>& points);
 
-/// The Delaunay triangulation of the vertices of `mesh`, with its regions and markers: for meshes with flat simplices,
-/// which are left out of `mesh` (read_mesh), or that are not Delaunay. Vertices keep their numbers and data; those that
-/// no simplex uses stay unused.
+/// The Delaunay triangulation of the vertices of `mesh`, with its regions and markers: for meshes with flat, duplicate
+/// or overlapping simplices (read_mesh accepts them on request), or that are not Delaunay. Vertices keep their numbers
+/// and data; those that no simplex uses stay unused. Nothing but vertices, boundary and regions counts, the neighbors
+/// do not.
 ///
-/// A simplex gets the region of the old one that lies on the same side of a common face, or of its neighbor inside the
-/// same region; what gets none is outside. Faces and segments with a marker, and the volume of each region, have to be
-/// there again: such as in a mesh that was boundary-conforming Delaunay before it was rounded.
-/// Throws: InputError mesh.boundary_lost     if they are not; names a face or region.
-///         InputError delaunay.duplicate_points
+/// Coplanar boundary faces with one marker and the same regions on their sides are one wall, which other faces may
+/// tile: where corners are cocircular, any diagonal will do. A simplex beside a wall gets the region that was there,
+/// others that of their neighbors on the same side; what gets none is outside. Walls and segments with a marker, and
+/// the volume that the boundary of each region encloses, have to be there again. Throws: InputError mesh.boundary_lost
+/// if they are not; names a face or region.
+///         InputError mesh.empty, mesh.too_large, mesh.too_small, delaunay.duplicate_points
 template <int D>
 Mesh<D> retriangulate(const Mesh<D>& mesh, Observer& observer = silent_observer());
 

@@ -30,17 +30,20 @@ using AnyMesh = std::variant<Mesh<2>, Mesh<3>>;
 ///         in docs/formats.md. LimitError limit.ids, limit.memory. Cancelled.
 AnyDomainInput read_domain(const std::filesystem::path& path, Observer& observer = silent_observer());
 
-/// What to do with simplices without volume.
-enum class FlatSimplices : std::uint8_t { kRefuse, kLeaveOut };
+/// What to do with simplices that are flat, there twice, or overlap others. Accepted, they are for `retriangulate`,
+/// which needs vertices, boundary and regions only: flat ones and duplicates are left out, and leave gaps behind; of
+/// others that lie on the same side of a common face, each becomes the neighbor of the other. The observer is told
+/// their numbers, and that of simplices of another orientation than most.
+enum class FaultySimplices : std::uint8_t { kRefuse, kAccept };
 
 /// Reads a mesh by extension: .node (with .ele and, where present, .face, .edge) or .vtu. Orientation is made positive;
 /// neighbors are built; hull faces and interfaces that no file lists are added with marker 0; listed faces and edges
 /// that no simplex has are kept, for `certify` to name; simplices without region get region 1. Throws as read_domain,
 /// and InputError mesh.flat_simplex, mesh.nonmanifold, mesh.overlapping_simplices, io.duplicate_face,
 /// io.duplicate_edge.
-/// With FlatSimplices::kLeaveOut, flat simplices leave gaps behind, which `retriangulate` fills.
+/// With FaultySimplices::kAccept, of these only mesh.nonmanifold, io.duplicate_face and io.duplicate_edge.
 AnyMesh read_mesh(const std::filesystem::path& path, Observer& observer = silent_observer(),
-                  FlatSimplices flat = FlatSimplices::kRefuse);
+                  FaultySimplices faulty = FaultySimplices::kRefuse);
 
 /// The values of one array of point data in a .vtu file of any program, in the order of its points; of vectors, one
 /// tuple after the other. The grid's cells are not looked at.

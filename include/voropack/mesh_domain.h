@@ -24,7 +24,8 @@ struct MeshDomain {
 /// chains of edges where facets end, or of listed edges, with one marker. Points are where segments end, and vertices
 /// that the mesh says are points. A curved surface stays as it is: every vertex is a point.
 /// Cost: O(n log n) for n boundary faces, O(n) for n simplices.
-/// Throws: InputError as `build_domain`, if the boundary is no piecewise linear system.
+/// Throws: InputError mesh.empty, mesh.too_large, mesh.too_small; as `build_domain`, if the boundary is no piecewise
+///         linear system.
 template <int D>
 MeshDomain<D> domain_of(const Mesh<D>& mesh, Observer& observer = silent_observer());
 

@@ -11,16 +11,16 @@ namespace voropack {
 
 namespace judge {
 
-std::string number(double x) {
+std::string number(double x, int n_digits) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.6g", x);
+  std::snprintf(text, sizeof text, "%.*g", n_digits, x);
   return text;
 }
 
 template <int D>
 std::string Subject<D>::vertex_text(std::uint32_t v) const {
   std::string text = "vertex " + std::to_string(v);
-  if (v < mesh.points.size()) text += " at " + place(point(v));
+  if (v < mesh.points.size()) text += " at " + place(point(v), topology.box());
   return text;
 }
 
@@ -35,7 +35,7 @@ std::string Subject<D>::simplex_text(std::uint32_t s) const {
     if (v.value() < mesh.points.size()) center += mesh.points[v] / (D + 1);
   }
   text += ')';
-  if (topology.valid(s)) text += " near " + place(center);
+  if (topology.valid(s)) text += " near " + place(center, topology.box());
   return text;
 }
 
@@ -50,7 +50,7 @@ std::string Subject<D>::boundary_text(std::uint32_t b) const {
     if (face.valid) center += point(v) / D;
   }
   text += "; marker " + std::to_string(face.marker) + ')';
-  if (face.valid) text += " near " + place(center);
+  if (face.valid) text += " near " + place(center, topology.box());
   return text;
 }
 
@@ -58,7 +58,7 @@ template <int D>
 std::string Subject<D>::ball_text(const ProtectingBall<D>& ball) const {
   if (!ball.is_segment_edge) return boundary_text(ball.index);
   return "segment edge " + std::to_string(ball.index) + " (vertices " + std::to_string(ball.corner[0]) + ' ' +
-         std::to_string(ball.corner[1]) + ") near " + place(ball.ball.center);
+         std::to_string(ball.corner[1]) + ") near " + place(ball.ball.center, topology.box());
 }
 
 template <int D>

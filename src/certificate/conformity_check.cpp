@@ -3,6 +3,7 @@
 
 #include "base/parallel.h"
 #include "certificate/conformity.h"
+#include "geom/predicates.h"
 
 namespace voropack::judge {
 
@@ -70,8 +71,6 @@ void check_faces(const Subject<D>& subject, ConformityReport& report) {
   const auto& boundary = subject.topology.boundary();
   const bool any_listed = !boundary.empty() && boundary.front().listed;
   if (!any_listed) return;
-  const bool any_marker =
-      std::any_of(boundary.begin(), boundary.end(), [](const BoundaryFace<D>& f) { return f.marker != 0; });
   for (std::size_t b = 0; b < boundary.size(); ++b) {
     const BoundaryFace<D>& face = boundary[b];
     const auto text = [&](const std::string& what) {
@@ -86,10 +85,114 @@ void check_faces(const Subject<D>& subject, ConformityReport& report) {
       report.fault(kNoFace, text(" is no face of a simplex"));
     else if (!face.listed)
       report.fault(kUnlisted, text(sides_text(face) + ", is not listed as boundary"));
-    else if (any_marker && face.marker == 0 && cuts(subject, face))
-      report.fault(kUnlisted, text(sides_text(face) + ", belongs to no facet: its marker is 0, unlike others"));
   }
 }
+
+/// Boundary faces without marker in a mesh where others have one. Often that is meant so: no condition is given there.
+/// But readers, which list hull faces and interfaces themselves, also leave such faces around a simplex that is
+/// missing, or that has strayed into another region: all of its faces are without marker.
+template <int D>
+class UnmarkedFaces {
+ public:
+  UnmarkedFaces(const Subject<D>& subject, ConformityReport& report)
+      : subject_(subject), boundary_(subject.topology.boundary()), report_(report) {
+    for (std::uint32_t b = 0; b < boundary_.size(); ++b) {
+      const BoundaryFace<D>& face = boundary_[b];
+      if (!face.valid || face.repeated || !face.listed || face.marker != 0 || !cuts(subject, face)) continue;
+      std::array<std::uint32_t, D> key = face.vertices;
+      std::sort(key.begin(), key.end());
+      faces_.emplace_back(key, b);
+      for (const std::uint32_t apex : key) ridges_.push_back({without(key, apex), apex});
+    }
+    std::sort(faces_.begin(), faces_.end());
+    std::sort(ridges_.begin(), ridges_.end());
+  }
+
+  void run() {
+    if (std::ranges::none_of(boundary_, [](const BoundaryFace<D>& face) { return face.marker != 0; })) return;
+    for (const auto& [key, b] : faces_) {
+      const auto ridge = without(key, key[0]);
+      for (auto at = std::lower_bound(ridges_.begin(), ridges_.end(), Ridge{ridge, 0});
+           at != ridges_.end() && at->vertices == ridge; ++at)
+        if (at->apex != key[0]) look_at(key, b, at->apex);
+    }
+  }
+
+ private:
+  using Key = std::array<std::uint32_t, D>;
+
+  /// A face as one of its vertices and the others.
+  struct Ridge {
+    std::array<std::uint32_t, D - 1> vertices;
+    std::uint32_t apex;
+    friend auto operator<=>(const Ridge&, const Ridge&) = default;
+  };
+
+  static std::array<std::uint32_t, D - 1> without(const Key& key, std::uint32_t vertex) {
+    std::array<std::uint32_t, D - 1> rest{};
+    std::copy_if(key.begin(), key.end(), rest.begin(), [&](std::uint32_t v) { return v != vertex; });
+    return rest;
+  }
+
+  /// The number of the unmarked face with these vertices, or kNone.
+  [[nodiscard]] std::uint32_t find(Key key) const {
+    std::sort(key.begin(), key.end());
+    const auto at = std::lower_bound(faces_.begin(), faces_.end(), std::pair(key, 0U));
+    return at != faces_.end() && at->first == key ? at->second : kNone;
+  }
+
+  /// Whether face b is one of the D + 1 of the simplex between it and `apex`, all of them unmarked.
+  void look_at(const Key& key, std::uint32_t b, std::uint32_t apex) {
+    const BoundaryFace<D>& face = boundary_[b];
+    for (std::size_t i = 0; i < D; ++i) {
+      Key other = key;
+      other[i] = apex;
+      const std::uint32_t found = find(other);
+      if (found == kNone || boundary_[found].n_sides() != face.n_sides()) return;
+    }
+    const auto text = [&](const char* what) {
+      return [this, b, what] { return subject_.boundary_text(b) + sides_text(boundary_[b]) + what; };
+    };
+    if (face.n_sides() == 1 ? is_void(face, apex) : is_stray(face, apex))
+      report_.fault(kUnlisted,
+                    text(face.n_sides() == 1
+                             ? ", belongs to no facet: only faces without marker surround a missing simplex"
+                             : ", belongs to no facet: only faces without marker part a simplex from its region"));
+  }
+
+  /// Whether the only simplex of the face is on the other side of it than `apex`.
+  [[nodiscard]] bool is_void(const BoundaryFace<D>& face, std::uint32_t apex) const {
+    auto corners = subject_.topology.corners(face.simplex[0]);
+    const int own = side(corners);
+    corners[face.corner[0]] = subject_.point(apex);
+    return side(corners) == -own;
+  }
+
+  /// Whether the simplex of the face and `apex` is there, and its region is elsewhere, too.
+  [[nodiscard]] bool is_stray(const BoundaryFace<D>& face, std::uint32_t apex) const {
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto& corners = subject_.mesh.simplex_vertices[SimplexId(face.simplex[k])];
+      if (corners[face.corner[k]].value() != apex) continue;
+      for (std::size_t s = 0; s < subject_.mesh.simplex_vertices.size(); ++s)
+        if (s != face.simplex[k] && subject_.topology.region(s) == subject_.topology.region(face.simplex[k]))
+          return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] static int side(const std::array<Vec<D>, D + 1>& x) {
+    if constexpr (D == 2)
+      return orientation(x[0], x[1], x[2]);
+    else
+      return orientation(x[0], x[1], x[2], x[3]);
+  }
+
+  const Subject<D>& subject_;
+  const std::vector<BoundaryFace<D>>& boundary_;
+  ConformityReport& report_;
+  std::vector<std::pair<Key, std::uint32_t>> faces_;  ///< Vertices and number of each, sorted.
+  std::vector<Ridge> ridges_;                         ///< Sorted.
+};
 
 /// A vertex inside a facet (in the plane: inside a segment) has boundary faces of one marker around it, a vertex inside
 /// a region has none.
@@ -174,6 +277,7 @@ template <int D>
 Check check_conformity(const Subject<D>& subject, const Duplicates& duplicates) {
   ConformityReport report;
   check_faces(subject, report);
+  UnmarkedFaces<D>(subject, report).run();
   check_carriers(subject, report);
   if constexpr (D == 3) check_segment_edges(subject, report);
   if (duplicates.tally.violations > 0) {

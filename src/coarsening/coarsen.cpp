@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/place_text.h"
 #include "coarsening/completion.h"
 #include "coarsening/fine_mesh.h"
 #include "coarsening/level_boundary.h"
@@ -281,6 +282,7 @@ class Coarsener {
 
   PackedLevel<D> pack_one(const Field& grown) {
     std::size_t n_before = 0;
+    Vec<D> last;  // A place where a ball was not empty.
     const int max_rounds = ground_ == grounds_[0].get() ? kMaxRounds : kMaxOwnRounds;
     for (int round = 0; round <= max_rounds; ++round) {
       Field f(grown.size());
@@ -294,26 +296,34 @@ class Coarsener {
         level.faults = complete_level(fine(), options_.lipschitz, level, observer_);
         // Where f is that of the finest mesh all of its vertices are there, and it helps no more to shrink.
         if (!level.faults.empty() && level.vertex.size() != std::exchange(n_before, level.vertex.size())) {
+          last = level.faults.back().center;
           shrink(level.faults);
           continue;
         }
         if (!level.faults.empty()) find_epsilon(level);
         return level;
       }
+      last = level.faults.back().center;
       shrink(level.faults);
     }
     if (ground_ != grounds_[0].get())
-      throw InputError(Fault{.id = "coarsen.level_boundary",
-                             .message =
-                                 "protecting balls of a level's own boundary hold vertices of the same boundary, "
-                                 "and no vertices of the mesh lie on it to make them smaller",
-                             .fix = "give a boundary with more vertices of the mesh, or a level more of them.",
-                             .file = fine().place.domain.file});
-    throw InputError(Fault{.id = "coarsen.not_delaunay",
-                           .message =
-                               "the mesh is not boundary-conforming Delaunay: its own vertices lie in protecting "
-                               "balls",
-                           .fix = "make it Delaunay first (--redelaunay); `voropack check` names the places"});
+      throw InputError(
+          Fault{.id = "coarsen.level_boundary",
+                .message =
+                    fmt::format("protecting balls of a level's own boundary hold vertices of the same boundary, and no "
+                                "vertices of the mesh lie on it to make them smaller, such as near {}",
+                                place_text(last)),
+                .fix = "give a boundary with more vertices of the mesh, or a level more of them.",
+                .file = fine().place.domain.file,
+                .position = {last.coord.begin(), last.coord.end()}});
+    throw InputError(
+        Fault{.id = "coarsen.not_delaunay",
+              .message = fmt::format("the mesh is not boundary-conforming Delaunay: its own vertices lie in "
+                                     "protecting balls, such as near {}",
+                                     place_text(last)),
+              .fix = "make it Delaunay first (--redelaunay); if its boundary does not conform then, mesh the "
+                     "domain again (voropack mesh). `voropack check` names the places",
+              .position = {last.coord.begin(), last.coord.end()}});
   }
 
   void shrink(const std::vector<SpacingCap<D>>& faults) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/place_text.h"
 #include "geom/box_tree.h"
 #include "geom/polytope_distance.h"
 #include "geom/tolerance.h"
@@ -43,13 +44,6 @@ Walls<D> walls_of(const Domain<D>& domain) {
       }
   }
   return walls;
-}
-
-template <int D>
-std::string text_of(const Vec<D>& x) {
-  std::string text = fmt::format("({}, {}", x[0], x[1]);
-  if constexpr (D == 3) text += fmt::format(", {}", x[2]);
-  return text + ")";
 }
 
 template <int D>
@@ -99,7 +93,7 @@ class Placer {
           faults.push_back(
               Fault{.id = "coarsen.level_boundary",
                     .message = fmt::format("the boundary of level {} has a point at {}, where the mesh has no vertex",
-                                           level_, text_of(x)),
+                                           level_, place_text(x)),
                     .fix = "take vertices of the mesh as points of the coarser boundary.",
                     .file = domain().file,
                     .position = {x.coord.begin(), x.coord.end()}});

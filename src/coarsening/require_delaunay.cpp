@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "base/place_text.h"
 #include "geom/filtered_predicates.h"
 #include "voropack/error.h"
 
@@ -210,13 +211,11 @@ void require_delaunay(const Mesh<D>& mesh) {
       [](std::size_t a, std::size_t b) { return std::min(a, b); });
   if (first == n) return;
   const Vec<D>& x = mesh.points[mesh.simplex_vertices[SimplexId(first)][0]];
-  std::string place = fmt::format("({}, {}", x[0], x[1]);
-  if constexpr (D == 3) place += fmt::format(", {}", x[2]);
-  throw InputError(
-      Fault{.id = "coarsen.not_delaunay",
-            .message = fmt::format("the mesh is not Delaunay at simplex {} (counted from 0) near {})", first, place),
-            .fix = "triangulate its vertices anew (--redelaunay); `voropack check` names all places.",
-            .position = {x.coord.begin(), x.coord.end()}});
+  throw InputError(Fault{
+      .id = "coarsen.not_delaunay",
+      .message = fmt::format("the mesh is not Delaunay at simplex {} (counted from 0) near {}", first, place_text(x)),
+      .fix = "triangulate its vertices anew (--redelaunay); `voropack check` names all places.",
+      .position = {x.coord.begin(), x.coord.end()}});
 }
 
 template void require_delaunay(const Mesh<2>&);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/place_text.h"
 namespace voropack::domain_impl {
 
 template <int D>
@@ -29,9 +30,7 @@ std::string Names<D>::facet(std::size_t i) const {
 
 template <int D>
 std::string text(const Vec<D>& x) {
-  std::string s = "(";
-  for (int k = 0; k < D; ++k) s += fmt::format("{}{:.10g}", k > 0 ? ", " : "", x[k]);
-  return s + ")";
+  return place_text(x);
 }
 
 template <int D>

@@ -21,7 +21,7 @@ std::filesystem::path sibling(const std::filesystem::path& path, const char* ext
   return result.replace_extension(extension);
 }
 
-AnyMesh read_node_files(const std::filesystem::path& path, Observer& observer, FlatSimplices flat) {
+AnyMesh read_node_files(const std::filesystem::path& path, Observer& observer, FaultySimplices faulty) {
   const FileContent node = io::read_file(path);
   const std::filesystem::path ele_path = sibling(path, ".ele");
   const std::optional<FileContent> ele = io::read_file_if_present(ele_path);
@@ -36,7 +36,7 @@ AnyMesh read_node_files(const std::filesystem::path& path, Observer& observer, F
   std::optional<FileContent> poly;
   if (!edge) poly = io::read_file_if_present(sibling(path, ".poly"));
   if (poly) sources.poly = poly->source();
-  return io::parse_node_mesh(sources, observer, flat);
+  return io::parse_node_mesh(sources, observer, faulty);
 }
 
 }  // namespace
@@ -60,11 +60,11 @@ AnyDomainInput read_domain(const std::filesystem::path& path, Observer& observer
   return parse();
 }
 
-AnyMesh read_mesh(const std::filesystem::path& path, Observer& observer, FlatSimplices flat) {
+AnyMesh read_mesh(const std::filesystem::path& path, Observer& observer, FaultySimplices faulty) {
   const std::string extension = io::lower_extension(path);
-  if (extension == ".node") return read_node_files(path, observer, flat);
+  if (extension == ".node") return read_node_files(path, observer, faulty);
   const FileContent content = io::read_file(path);
-  if (extension == ".vtu") return io::parse_vtu(content.source(), observer, flat);
+  if (extension == ".vtu") return io::parse_vtu(content.source(), observer, faulty);
   io::fail(content.file, "io.unknown_format",
            fmt::format("meshes with the extension {} are not known", io::quote(extension)),
            "give the mesh as .node with .ele beside it, or as .vtu");

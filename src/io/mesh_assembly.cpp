@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <limits>
 
 #include "base/parallel.h"
@@ -44,27 +45,119 @@ void remove_entries(Listing<K>& listing, const std::vector<std::uint8_t>& is_out
   remove_from(listing.lines);
 }
 
+/// "1 simplex was ..." or "3 simplices were ...".
+std::string simplices_were(std::size_t n, std::string_view what) {
+  return fmt::format("{} {} {}", n, n == 1 ? "simplex was" : "simplices were", what);
+}
+
 /// Makes every simplex positive. Leaves flat ones out, or throws mesh.flat_simplex.
 template <int D>
-void orient(const Mesh<D>& mesh, Listing<D + 1>& simplices, FlatSimplices flat) {
-  std::vector<std::uint8_t> is_flat(simplices.vertices.size());
-  parallel_for(simplices.vertices.size(), [&](std::size_t s) {
+void orient(const Mesh<D>& mesh, Listing<D + 1>& simplices, FaultySimplices faulty, Observer& observer) {
+  const std::size_t n = simplices.vertices.size();
+  std::vector<std::int8_t> sign(n);
+  parallel_for(n, [&](std::size_t s) {
     auto& c = simplices.vertices[s];
-    int sign = 0;
     if constexpr (D == 2)
-      sign = orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]);
+      sign[s] = static_cast<std::int8_t>(orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]));
     else
-      sign = orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]], mesh.points[c[3]]);
-    if (sign < 0) std::swap(c[D - 1], c[D]);
-    if (sign == 0) is_flat[s] = 1;
+      sign[s] = static_cast<std::int8_t>(
+          orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]], mesh.points[c[3]]));
+    if (sign[s] < 0) std::swap(c[D - 1], c[D]);
   });
-  const auto first_flat = static_cast<std::size_t>(std::find(is_flat.begin(), is_flat.end(), 1) - is_flat.begin());
-  if (first_flat == is_flat.size()) return;
-  if (flat == FlatSimplices::kLeaveOut) return remove_entries(simplices, is_flat);
-  fail_at(simplices, first_flat, "mesh.flat_simplex",
-          element_text(simplices, D == 2 ? "triangle" : "tetrahedron", first_flat) +
-              (D == 2 ? " has zero area" : " has zero volume"),
-          "remove it, move one of its vertices, or triangulate the points anew (--redelaunay)");
+  const auto first_flat = static_cast<std::size_t>(std::find(sign.begin(), sign.end(), 0) - sign.begin());
+  if (faulty == FaultySimplices::kRefuse && first_flat < n)
+    fail_at(simplices, first_flat, "mesh.flat_simplex",
+            element_text(simplices, D == 2 ? "triangle" : "tetrahedron", first_flat) +
+                (D == 2 ? " has zero area" : " has zero volume"),
+            "remove it, move one of its vertices, or triangulate the points anew (--redelaunay)");
+  if (faulty == FaultySimplices::kRefuse) return;
+  const auto count = [&](int wanted) { return static_cast<std::size_t>(std::count(sign.begin(), sign.end(), wanted)); };
+  // Some programs count corners the other way round; what differs from most may be inverted.
+  if (const std::size_t n_turned = std::min(count(1), count(-1)); n_turned > 0)
+    observer.log(LogLevel::kInfo,
+                 fmt::format("{} of {} simplices had another orientation than the others, and {} turned", n_turned, n,
+                             n_turned == 1 ? "was" : "were"));
+  if (first_flat == n) return;
+  observer.log(LogLevel::kWarning, simplices_were(count(0), "flat, and left out"));
+  std::vector<std::uint8_t> is_flat(n);
+  for (std::size_t s = 0; s < n; ++s) is_flat[s] = sign[s] == 0 ? 1 : 0;
+  remove_entries(simplices, is_flat);
+}
+
+/// Of simplices with the same corners the first one stays.
+template <std::size_t K>
+void leave_duplicates_out(Listing<K>& simplices, Observer& observer) {
+  const std::size_t n = simplices.vertices.size();
+  std::vector<std::pair<std::array<VertexId, K>, std::size_t>> sorted(n);
+  parallel_for(n, [&](std::size_t s) {
+    sorted[s] = {simplices.vertices[s], s};
+    std::sort(sorted[s].first.begin(), sorted[s].first.end());
+  });
+  parallel_sort(sorted.begin(), sorted.end());
+  std::vector<std::uint8_t> is_out(n);
+  std::size_t n_out = 0;
+  for (std::size_t i = 1; i < n; ++i) {
+    if (sorted[i].first != sorted[i - 1].first) continue;
+    is_out[sorted[i].second] = 1;
+    ++n_out;
+  }
+  if (n_out == 0) return;
+  observer.log(LogLevel::kWarning, simplices_were(n_out, "listed before, and left out"));
+  remove_entries(simplices, is_out);
+}
+
+/// Neighbors across faces of two simplices, whether these lie on its two sides or overlap. False if three share one.
+template <int D>
+bool link_overlapping(Mesh<D>& mesh, Observer& observer) {
+  struct Side {
+    SimplexId simplex;
+    int corner;
+    bool is_odd;
+    bool is_paired = false;
+  };
+  mesh.simplex_neighbors.clear();
+  for (std::size_t s = 0; s < mesh.simplex_vertices.size(); ++s) {
+    mesh.simplex_neighbors.push_back({});
+    mesh.simplex_neighbors.back().fill(SimplexId::none());
+  }
+  VertexSetTable<D> table((D + 1) * mesh.simplex_vertices.size());
+  std::vector<Side> first;
+  std::size_t n_overlaps = 0;
+  for (const SimplexId s : ids(mesh.simplex_vertices))
+    for (int i = 0; i <= D; ++i) {
+      auto face = face_vertices(mesh, s, i);
+      const bool is_odd = sort_vertices(face);
+      const std::uint32_t known = table.insert(face, static_cast<std::uint32_t>(first.size()));
+      if (known == table.kAbsent) {
+        first.push_back({s, i, is_odd});
+        continue;
+      }
+      Side& other = first[known];
+      if (other.is_paired) return false;
+      other.is_paired = true;
+      mesh.simplex_neighbors[s][static_cast<std::size_t>(i)] = other.simplex;
+      mesh.simplex_neighbors[other.simplex][static_cast<std::size_t>(other.corner)] = s;
+      if (is_odd == other.is_odd) ++n_overlaps;
+    }
+  observer.log(LogLevel::kWarning,
+               fmt::format("simplices overlap at {} face{}", n_overlaps, n_overlaps == 1 ? "" : "s"));
+  return true;
+}
+
+/// Faults get the file's name.
+template <int D>
+void link_simplices(Mesh<D>& mesh, const std::string& file, FaultySimplices faulty, Observer& observer) {
+  try {
+    build_neighbors(mesh);
+  } catch (const InputError& error) {
+    if (faulty == FaultySimplices::kAccept && link_overlapping(mesh, observer)) return;
+    std::vector<Fault> faults = error.faults();
+    for (Fault& fault : faults) {
+      fault.file = file;
+      if (faulty == FaultySimplices::kRefuse) fault.fix += ", or triangulate the points anew (--redelaunay)";
+    }
+    throw InputError(std::move(faults));
+  }
 }
 
 /// Which entries of a listing occur in the mesh, and whether the mesh has nothing of the kind that is not listed.
@@ -178,23 +271,18 @@ void assemble_segments(Mesh<3>& mesh, const Listing<2>& segments) {
 
 template <int D>
 void assemble_mesh(Mesh<D>& mesh, Listing<D + 1> simplices, const Listing<D>& boundary, const Listing<2>& segments,
-                   FlatSimplices flat) {
-  orient<D>(mesh, simplices, flat);
+                   FaultySimplices faulty, Observer& observer) {
+  orient<D>(mesh, simplices, faulty, observer);
+  if (faulty == FaultySimplices::kAccept) leave_duplicates_out(simplices, observer);
   mesh.simplex_region = IdVector<SimplexId, int>(
       simplices.markers.empty() ? std::vector<int>(simplices.vertices.size(), 1) : std::move(simplices.markers));
   mesh.simplex_vertices = IdVector<SimplexId, std::array<VertexId, D + 1>>(std::move(simplices.vertices));
-  try {
-    build_neighbors(mesh);
-  } catch (const InputError& error) {
-    std::vector<Fault> faults = error.faults();
-    for (Fault& fault : faults) fault.file = simplices.file;
-    throw InputError(std::move(faults));
-  }
+  link_simplices(mesh, simplices.file, faulty, observer);
   assemble_boundary<D>(mesh, boundary);
   if constexpr (D == 3) assemble_segments(mesh, segments);
 }
 
-template void assemble_mesh<2>(Mesh<2>&, Listing<3>, const Listing<2>&, const Listing<2>&, FlatSimplices);
-template void assemble_mesh<3>(Mesh<3>&, Listing<4>, const Listing<3>&, const Listing<2>&, FlatSimplices);
+template void assemble_mesh<2>(Mesh<2>&, Listing<3>, const Listing<2>&, const Listing<2>&, FaultySimplices, Observer&);
+template void assemble_mesh<3>(Mesh<3>&, Listing<4>, const Listing<3>&, const Listing<2>&, FaultySimplices, Observer&);
 
 }  // namespace voropack::io

@@ -31,11 +31,11 @@ struct Listing {
 ///
 /// A listed face or edge that no simplex has is kept: `certify` names it.
 ///
-/// `flat` says whether flat simplices are left out or refused.
+/// `faulty` says whether flat, duplicate and overlapping simplices are refused; if not, `observer` hears of them.
 /// Throws: InputError mesh.flat_simplex, mesh.nonmanifold, mesh.overlapping_simplices, io.duplicate_face,
 ///         io.duplicate_edge.
 template <int D>
 void assemble_mesh(Mesh<D>& mesh, Listing<D + 1> simplices, const Listing<D>& boundary, const Listing<2>& segments,
-                   FlatSimplices flat);
+                   FaultySimplices faulty, Observer& observer);
 
 }  // namespace voropack::io

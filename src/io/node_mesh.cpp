@@ -113,7 +113,7 @@ Listing<2> read_segments_of_poly(const Source& source, std::uint32_t first_verte
 
 template <int D>
 Mesh<D> read_mesh_of_dimension(TextScanner& node_scanner, const NodeHeader& header, const NodeMeshSources& sources,
-                               Observer& observer, FlatSimplices flat) {
+                               Observer& observer, FaultySimplices faulty) {
   NodeList<D> nodes = read_node_list<D>(node_scanner, header);
   node_scanner.end_of_file("point");
   const std::uint32_t first = nodes.first_index;
@@ -137,18 +137,18 @@ Mesh<D> read_mesh_of_dimension(TextScanner& node_scanner, const NodeHeader& head
     if (sources.face) boundary = read_listing<3>(*sources.face, first, n, is_quadratic, 2, observer);
     if (sources.edge) segments = read_listing<2>(*sources.edge, first, n, is_quadratic, 1, observer);
   }
-  assemble_mesh<D>(mesh, std::move(simplices), boundary, segments, flat);
+  assemble_mesh<D>(mesh, std::move(simplices), boundary, segments, faulty, observer);
   return mesh;
 }
 
 }  // namespace
 
-AnyMesh parse_node_mesh(const NodeMeshSources& sources, Observer& observer, FlatSimplices flat) {
+AnyMesh parse_node_mesh(const NodeMeshSources& sources, Observer& observer, FaultySimplices faulty) {
   TextScanner scanner(sources.node, '#', observer);
   const NodeHeader header = read_node_header(scanner);
   if (required_dimension(header, scanner) == 2)
-    return read_mesh_of_dimension<2>(scanner, header, sources, observer, flat);
-  return read_mesh_of_dimension<3>(scanner, header, sources, observer, flat);
+    return read_mesh_of_dimension<2>(scanner, header, sources, observer, faulty);
+  return read_mesh_of_dimension<3>(scanner, header, sources, observer, faulty);
 }
 
 }  // namespace voropack::io

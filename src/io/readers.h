@@ -29,8 +29,8 @@ struct NodeMeshSources {
   std::optional<Source> poly;  ///< Used in 2D without `edge`, if its points are those of `node`.
 };
 AnyMesh parse_node_mesh(const NodeMeshSources& sources, Observer& observer,
-                        FlatSimplices flat = FlatSimplices::kRefuse);
-AnyMesh parse_vtu(const Source& source, Observer& observer, FlatSimplices flat = FlatSimplices::kRefuse);
+                        FaultySimplices faulty = FaultySimplices::kRefuse);
+AnyMesh parse_vtu(const Source& source, Observer& observer, FaultySimplices faulty = FaultySimplices::kRefuse);
 std::vector<double> parse_vtu_point_array(const Source& source, const std::string& name, Observer& observer);
 
 }  // namespace voropack::io

@@ -38,11 +38,11 @@ class VtuReader {
     n_cells_ = read_count("NumberOfCells");
   }
 
-  AnyMesh read(FlatSimplices flat) {
+  AnyMesh read(FaultySimplices faulty, Observer& observer) {
     const std::vector<double> coordinates = read_points();
     read_cells();
     const auto has = [&](std::int64_t type) { return std::find(types_.begin(), types_.end(), type) != types_.end(); };
-    if (has(kTetrahedron)) return read_mesh_of_dimension<3>(coordinates, flat);
+    if (has(kTetrahedron)) return read_mesh_of_dimension<3>(coordinates, faulty, observer);
     if (!has(kTriangle))
       fail("io.unsupported", "the file has neither triangles nor tetrahedra", "give a mesh of simplices");
     for (std::uint64_t p = 0; p < n_points_; ++p)
@@ -50,7 +50,7 @@ class VtuReader {
         fail("io.not_planar",
              fmt::format("the mesh has triangles only, but point {} has z = {}", p, coordinates[3 * p + 2]),
              "set z to 0 for a mesh of the plane, or give a mesh of tetrahedra");
-    return read_mesh_of_dimension<2>(coordinates, flat);
+    return read_mesh_of_dimension<2>(coordinates, faulty, observer);
   }
 
   std::vector<double> read_point_array(const std::string& name) const {
@@ -228,7 +228,8 @@ class VtuReader {
   }
 
   template <int D>
-  Mesh<D> read_mesh_of_dimension(const std::vector<double>& coordinates, FlatSimplices flat) const {
+  Mesh<D> read_mesh_of_dimension(const std::vector<double>& coordinates, FaultySimplices faulty,
+                                 Observer& observer) const {
     Mesh<D> mesh;
     mesh.points.resize(n_points_);
     for (std::size_t p = 0; p < n_points_; ++p)
@@ -239,7 +240,7 @@ class VtuReader {
     Listing<2> segments;
     if constexpr (D == 3) segments = read_listing<2>("segment_edges", "segment_edge_marker", markers);
     assemble_mesh<D>(mesh, cells_of_size<D + 1>(regions),
-                     read_listing<D>("boundary_vertices", "boundary_marker", markers), segments, flat);
+                     read_listing<D>("boundary_vertices", "boundary_marker", markers), segments, faulty, observer);
     return mesh;
   }
 
@@ -254,9 +255,9 @@ class VtuReader {
 
 }  // namespace
 
-AnyMesh parse_vtu(const Source& source, Observer& observer, FlatSimplices flat) {
+AnyMesh parse_vtu(const Source& source, Observer& observer, FaultySimplices faulty) {
   observer.check_cancelled();
-  return VtuReader(source).read(flat);
+  return VtuReader(source).read(faulty, observer);
 }
 
 std::vector<double> parse_vtu_point_array(const Source& source, const std::string& name, Observer& observer) {

@@ -148,10 +148,14 @@ void write_vtu(const VtuGrid& grid, const std::filesystem::path& path) {
   AtomicFile file(path);
   file.write(XmlHead({}).make(grid));
   const std::uint64_t data_position = file.position();
-  std::vector<std::uint64_t> offsets;
-  for (const VtuArray* array : all_arrays(grid)) {
-    offsets.push_back(file.position() - data_position);
-    std::visit([&]<class T>(const VtuArray::Fill<T>& fill) { write_array(*array, fill, file); }, array->fill);
+  // The last one first: meshio 5.0 gives arrays other offsets one by one, and takes the first one in the head that has
+  // the offset that comes next. So those that it is done with come last there.
+  const std::vector<const VtuArray*> arrays = all_arrays(grid);
+  std::vector<std::uint64_t> offsets(arrays.size());
+  for (std::size_t i = arrays.size(); i-- > 0;) {
+    offsets[i] = file.position() - data_position;
+    const VtuArray& array = *arrays[i];
+    std::visit([&]<class T>(const VtuArray::Fill<T>& fill) { write_array(array, fill, file); }, array.fill);
   }
   file.write("\n  </AppendedData>\n</VTKFile>\n");
   file.overwrite(0, XmlHead(offsets).make(grid));

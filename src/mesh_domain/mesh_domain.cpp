@@ -10,6 +10,7 @@
 #include "base/disjoint_sets.h"
 #include "base/parallel.h"
 #include "geom/tolerance.h"
+#include "mesh/extent.h"
 #include "mesh/faces.h"
 #include "mesh_domain/boundary_complex.h"
 #include "mesh_domain/boundary_zone.h"
@@ -350,6 +351,7 @@ class DomainMaker {
 template <int D>
 MeshDomain<D> domain_of(const Mesh<D>& mesh, Observer& observer) {
   observer.begin_stage("domain");
+  check_extent(mesh);
   return DomainMaker<D>(mesh).run(observer);
 }
 

@@ -1,6 +1,7 @@
 // Costly features in words.
 #include <fmt/format.h>
 
+#include "base/place_text.h"
 #include "voropack/packing.h"
 
 namespace voropack {
@@ -8,15 +9,8 @@ namespace voropack {
 namespace {
 
 template <int D>
-std::string position(const Vec<D>& x) {
-  std::string text;
-  for (int k = 0; k < D; ++k) text += fmt::format("{}{:.6g}", k == 0 ? "" : ", ", x[k]);
-  return '(' + text + ')';
-}
-
-template <int D>
 std::string name_of(PolytopeId p, const Domain<D>& domain) {
-  if (p.dimension == 0) return "the point " + position(domain.points[PointId(p.index)]);
+  if (p.dimension == 0) return "the point " + place_text(domain.points[PointId(p.index)]);
   if (p.dimension == 1) return fmt::format("a segment of marker {}", domain.segment_marker[SegmentId(p.index)]);
   return fmt::format("a facet of marker {}", domain.facet_marker[FacetId(p.index)]);
 }
@@ -34,7 +28,7 @@ std::string describe(const CostlyFeature<D>& feature, const Domain<D>& domain) {
     what = fmt::format("{} and {} meet at {:.4g} degrees", p, q, feature.angle_deg);
   else
     what = fmt::format("repairs at {}{}", p, feature.polytopes[0] == feature.polytopes[1] ? "" : " and " + q);
-  std::string text = fmt::format("{:.0f} vertices: {} near {}", feature.vertices, what, position(feature.place));
+  std::string text = fmt::format("{:.0f} vertices: {} near {}", feature.vertices, what, place_text(feature.place));
   if (feature.n_pairs > 1)
     text += fmt::format(", with {} more such pairs within {:.4g}", feature.n_pairs - 1, feature.radius);
   return text;

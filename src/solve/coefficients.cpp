@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/place_text.h"
 #include "solve/check_volumes.h"
 #include "solve/faults.h"
 

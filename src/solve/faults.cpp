@@ -39,14 +39,6 @@ void fail_input(std::string id, std::string message, std::string fix, std::vecto
       .id = std::move(id), .message = std::move(message), .fix = std::move(fix), .position = std::move(position)});
 }
 
-template <int D>
-std::string place_text(const Vec<D>& x) {
-  return D == 2 ? fmt::format("({:.6g}, {:.6g})", x[0], x[1])
-                : fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[D - 1]);
-}
-template std::string place_text(const Vec<2>&);
-template std::string place_text(const Vec<3>&);
-
 void check_regions(const std::map<int, double>& by_region, const std::set<int>& regions, std::string_view name) {
   for (const auto& [region, value] : by_region)
     if (!regions.contains(region))

@@ -9,15 +9,10 @@
 #include <vector>
 
 #include "voropack/index.h"
-#include "voropack/vec.h"
 
 namespace voropack {
 
 [[noreturn]] void fail_input(std::string id, std::string message, std::string fix, std::vector<double> position = {});
-
-/// "(x, y, z)" with six digits.
-template <int D>
-std::string place_text(const Vec<D>& x);
 
 /// Throws InputError solve.unknown_region unless `name` has a value for each of the regions and no other.
 void check_regions(const std::map<int, double>& by_region, const std::set<int>& regions, std::string_view name);

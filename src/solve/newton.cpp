@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/place_text.h"
 #include "solve/faults.h"
 #include "solve/linear_solver.h"
 #include "solve/vectors.h"

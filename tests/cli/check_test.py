@@ -90,6 +90,14 @@ class Check(CommandLineTest):
         write_table(self.folder / "a.node", header, rows)
         self.assertTrue(self.failed_checks("--gradation", "0.2") & {"packing", "spacing_lipschitz"})
 
+    def test_places_far_from_the_origin_can_be_told_apart(self):
+        self.write("far.node", "4 2 0 0\n1 1e6 1e6\n2 1000001 1e6\n3 1000001 1000001\n4 1e6 1000001\n")
+        self.write("far.ele", "2 3 0\n1 1 2 3\n2 1 3 4\n")
+        self.succeed("check", "far.node", "--report", "report.json")
+        places = " ".join(check.get("where", "") for check in self.report()["certificate"]["checks"])
+        self.assertIn("(1000001, 1000000)", places)
+        self.assertNotIn("1e+06", places)
+
     def test_a_false_claim_of_gradation_is_found(self):
         self.write("square.poly", square_poly())
         self.succeed("mesh", "square.poly", "-o", "a.node", "--size-expr", "0.02+0.4*x", "--gradation", "0.3")

@@ -1,4 +1,5 @@
 """Other people's readers agree with us: meshio and VTK read what we write; doubles survive."""
+import re
 import unittest
 import xml.etree.ElementTree
 
@@ -54,6 +55,59 @@ class Formats(CommandLineTest):
         # Another region beyond an edge that the new triangulation does not have.
         self.write("flat.edge", "5 1\n1 1 2 11\n2 2 3 12\n3 3 4 13\n4 4 1 14\n5 1 3 15\n")
         self.fail_with(2, "stats", "flat.node", "--redelaunay", words=["mesh.boundary_lost", "marker 15"])
+
+    def write_square(self, fifth="0.3 0.5", elements=("1 2 5", "2 6 5", "2 3 6", "3 4 6", "4 5 6", "4 1 5")):
+        """A square of six triangles around two points."""
+        self.write("s.node", f"6 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n5 {fifth}\n6 0.7 0.5\n")
+        self.write("s.ele", f"{len(elements)} 3 0\n" +
+                   "".join(f"{i + 1} {corners}\n" for i, corners in enumerate(elements)))
+        self.write("s.edge", "4 1\n1 1 2 11\n2 2 3 12\n3 3 4 13\n4 4 1 14\n")
+
+    def succeed_anew(self, words):
+        """The mesh, triangulated anew, is the square again; words are said about its simplices."""
+        run = self.succeed("stats", "s.node", "--redelaunay", "--report", "report.json")
+        self.assertIn(words, run.stderr)
+        self.assertEqual(self.report()["counts"]["simplices"], 6)
+        self.assertAlmostEqual(self.report()["dual"]["volume_sum"], 1, places=14)
+
+    def test_duplicate_inverted_and_overlapping_simplices_are_mended(self):
+        good = ("1 2 5", "2 6 5", "2 3 6", "3 4 6", "4 5 6", "4 1 5")
+        self.write_square(elements=good + ("6 5 2",))
+        self.fail_with(2, "stats", "s.node", words=["mesh.nonmanifold", "--redelaunay"])
+        self.write_square(elements=good + ("6 5 2", "1 2 5"))
+        self.succeed_anew("2 simplices were listed before")
+        self.write_square(elements=("1 5 2",) + good[1:])
+        self.succeed_anew("1 of 6 simplices had another orientation")
+        # All the other way round is another convention.
+        self.write_square(elements=[corners[::-1] for corners in good])
+        self.assertNotIn("orientation", self.succeed("stats", "s.node", "--redelaunay").stderr)
+        # The fifth point beyond the sixth one: triangles around both are folded over.
+        self.write_square(fifth="0.9 0.5")
+        self.fail_with(2, "stats", "s.node", words=["mesh.overlapping_simplices", "--redelaunay"])
+        self.succeed_anew("overlap at")
+        # Outside of the square, the point is no part of it.
+        self.write_square(fifth="-0.2 0.5")
+        self.fail_with(2, "stats", "s.node", "--redelaunay", words=["mesh.boundary_lost"])
+
+    def test_sizes_that_cannot_be_triangulated_are_told(self):
+        for size, words in [("1e150", "mesh.too_large"), ("1e-150", "mesh.too_small")]:
+            self.write("s.node", f"3 2 0 0\n1 0 0\n2 {size} 0\n3 0 {size}\n")
+            self.write("s.ele", "1 3 0\n1 1 2 3\n")
+            self.write("s.edge", "0 1\n")
+            for command in (["stats", "s.node", "--redelaunay"], ["coarsen", "s.node", "-o", "levels"],
+                            ["refine", "s.node", "-o", "fine.node"]):
+                result = self.fail_with(2, *command, words=[words, "scale the mesh"])
+                self.assertNotIn("--domain", result.stderr)
+        self.write("s.ele", "0 3 0\n")
+        for command in (["stats", "s.node", "--redelaunay"], ["coarsen", "s.node", "-o", "levels"]):
+            self.fail_with(2, *command, words=["mesh.empty"])
+
+    def test_arrays_are_read_by_readers_that_move_them(self):
+        """meshio 5.0 gives arrays new offsets from the front of the data on, and looks for the next one by its offset."""
+        text = (self.folder / "a.vtu").read_bytes().split(b"<AppendedData")[0].decode()
+        offsets = [int(offset) for offset in re.findall(r'offset="(\d+)"', text)]
+        self.assertGreater(len(offsets), 5)
+        self.assertEqual(offsets, sorted(offsets, reverse=True), "one that was moved must not be found first")
 
     @unittest.skipIf(meshio is None, "meshio is not installed")
     def test_meshio_reads_the_mesh(self):

@@ -122,6 +122,26 @@ class Refine(CommandLineTest):
         self.succeed("refine", "moved.node", "-o", "fine.node", "--redelaunay", "--force", "--report", "report.json")
         self.assertLess(set(self.points("moved.node")), set(self.points("fine.node")))
 
+    def test_a_boundary_with_few_markers(self):
+        """Faces without a condition often have no marker: a marker of its own, which they keep."""
+        header, rows = read_table(self.folder / "coarse.face")
+        dropped = rows[0][-1]
+        for row in rows:
+            row[-1] = "0" if row[-1] == dropped else row[-1]
+        n_dropped = sum(row[-1] == "0" for row in rows)
+        self.assertTrue(0 < n_dropped < len(rows))
+        self.write("plain.face", " ".join(header) + "\n" + "\n".join(" ".join(row) for row in rows) + "\n")
+        for ending in ("node", "ele", "edge"):
+            self.write(f"plain.{ending}", (self.folder / f"coarse.{ending}").read_text())
+        self.succeed("check", "plain.node")
+        self.succeed("coarsen", "plain.node", "--levels", "1", "-o", "plain", "--quiet")
+        self.succeed("refine", "plain.node", "-o", "fine.node")
+        fine = [row[-1] for row in read_table(self.folder / "fine.face")[1]]
+        self.assertGreater(fine.count("0"), n_dropped)
+        # The domain gives the new mesh its markers.
+        self.succeed("refine", "plain.node", "-o", "fine.node", "--domain", "two.poly")
+        self.assertNotIn("0", [row[-1] for row in read_table(self.folder / "fine.face")[1]])
+
     def test_it_composes_with_coarsen(self):
         self.refined()
         self.succeed("coarsen", "fine.node", "--levels", "1", "-o", "levels", "--quiet")

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mesh/faces.h"
 #include "support/certificate_case.h"
 #include "support/delaunay_mesh.h"
 #include "voropack/dual.h"
@@ -210,7 +211,36 @@ TYPED_TEST(CertificateOf, RejectsADroppedSimplex) {
     c.mesh.boundary_marker.push_back(0);
   }
   ASSERT_EQ(c.mesh.boundary_vertices.size(), golden<D>().mesh.boundary_vertices.size() + D + 1);
-  expect_rejected(judge(c, false), "conformity", {"marker 0", "belongs to no facet"});
+  expect_rejected(judge(c, false), "conformity", {"marker 0", "belongs to no facet", "missing"});
+  c.mesh.vertex_carrier_dimension.clear();
+  expect_rejected(judge(c, false), "conformity", {"marker 0", "belongs to no facet", "missing"});
+}
+
+TYPED_TEST(CertificateOf, AcceptsFacetsWithoutMarker) {
+  constexpr int D = TypeParam::value;
+  for (const bool has_carriers : {true, false}) {
+    CertificateCase<D> c = golden<D>();
+    if (!has_carriers) c.mesh.vertex_carrier_dimension.clear();
+    const int dropped = c.mesh.boundary_marker[BoundaryId(0)];
+    for (int& marker : c.mesh.boundary_marker)
+      if (marker == dropped) marker = 0;
+    const Certificate certificate = judge(c, false);
+    EXPECT_TRUE(certificate.ok) << test::summary(certificate);
+    EXPECT_FALSE(judge(c).ok) << "its domain has markers";
+  }
+}
+
+TYPED_TEST(CertificateOf, RejectsALostMarker) {
+  constexpr int D = TypeParam::value;
+  CertificateCase<D> c = golden<D>();
+  BoundaryId b(0);
+  const auto is_inside = [&](VertexId v) { return c.mesh.vertex_carrier_dimension[v] == D - 1; };
+  while (!std::ranges::all_of(c.mesh.boundary_vertices[b], is_inside)) ++b;
+  c.mesh.boundary_marker[b] = 0;
+  expect_rejected(judge(c, false), "conformity", {"marker 0"});
+  // Segments tell where markers may change, too.
+  c.mesh.vertex_carrier_dimension.clear();
+  if (D == 3) expect_rejected(judge(c, false), "conformity", {"marker 0"});
 }
 
 TYPED_TEST(CertificateOf, RejectsADroppedSimplexAtTheBoundary) {
@@ -233,6 +263,14 @@ TYPED_TEST(CertificateOf, RejectsASwappedRegion) {
   c.mesh.simplex_region[s] = 3 - c.mesh.simplex_region[s];
   c.volumes = build_control_volumes(c.mesh);
   expect_rejected(judge(c, false), "conformity", {"simplex " + std::to_string(s.value())});
+  // As a reader sees it, which lists interfaces itself, with marker 0.
+  CertificateCase<D> read = c;
+  read.mesh.vertex_carrier_dimension.clear();
+  for (int i = 0; i <= D; ++i) {
+    read.mesh.boundary_vertices.push_back(boundary_face<D>(c.mesh.simplex_vertices[s], i));
+    read.mesh.boundary_marker.push_back(0);
+  }
+  expect_rejected(judge(read, false), "conformity", {"marker 0", "belongs to no facet", "from its region"});
   expect_rejected(judge(c), "volume_sum", {"region "});
   // All of them: only the domain tells.
   for (int& region : c.mesh.simplex_region) region = 3 - region;

@@ -3,12 +3,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <set>
+#include <string>
 
 #include "support/cases.h"
 #include "support/delaunay_mesh.h"
 #include "support/faults.h"
+#include "support/grid_mesh.h"
+#include "voropack/certificate.h"
 #include "voropack/delaunay.h"
 
 namespace voropack {
@@ -50,6 +54,74 @@ void a_conforming_mesh_comes_out_as_it_was() {
 }
 TEST(Retriangulate, AConformingMeshComesOutAsItWasInThePlane) { a_conforming_mesh_comes_out_as_it_was<2>(); }
 TEST(Retriangulate, AConformingMeshComesOutAsItWasInSpace) { a_conforming_mesh_comes_out_as_it_was<3>(); }
+
+double area_of(const Mesh<3>& mesh, const std::array<VertexId, 3>& face) {
+  const Vec<3>& a = mesh.points[face[0]];
+  return norm(cross(mesh.points[face[1]] - a, mesh.points[face[2]] - a)) / 2;
+}
+
+std::map<int, double> areas_by_marker(const Mesh<3>& mesh) {
+  std::map<int, double> area;
+  for (const BoundaryId b : ids(mesh.boundary_vertices))
+    area[mesh.boundary_marker[b]] += area_of(mesh, mesh.boundary_vertices[b]);
+  return area;
+}
+
+/// Those of `names` that the mesh fails.
+std::set<std::string> failed_checks(const Mesh<3>& mesh, const std::set<std::string>& names) {
+  std::set<std::string> failed;
+  for (const Certificate::Check& check : certify(mesh, build_control_volumes(mesh)).checks)
+    if (names.contains(check.name) && !check.ok) failed.insert(check.name);
+  return failed;
+}
+
+/// A structured mesh of two regions, with other diagonals in its faces than ties give.
+Mesh<3> structured_cube() {
+  Mesh<3> mesh = test::grid_mesh<3>(6);
+  for (Vec<3>& x : mesh.points) x[0] = 1 - x[0];
+  for (auto& corners : mesh.simplex_vertices) std::swap(corners[0], corners[1]);
+  mesh.vertex_carrier_dimension.clear();  // Not those of its boundary.
+  mesh.vertex_spacing.clear();
+  build_neighbors(mesh);
+  return mesh;
+}
+
+TEST(Retriangulate, TakesAnyDiagonalOfCocircularFaces) {
+  const Mesh<3> mesh = structured_cube(), again = retriangulate(mesh);
+  EXPECT_NE(marked_faces(again), marked_faces(mesh)) << "a case without other diagonals shows nothing";
+  EXPECT_EQ(find_mesh_fault(again), "");
+  EXPECT_EQ(again.boundary_vertices.size(), mesh.boundary_vertices.size());
+  for (const auto& [marker, area] : areas_by_marker(mesh)) EXPECT_NEAR(areas_by_marker(again)[marker], area, 1e-12);
+  for (const auto& [region, volume] : volumes_by_region(mesh))
+    EXPECT_NEAR(volumes_by_region(again)[region], volume, 1e-12);
+  const std::set<std::string> wanted = {"delaunay", "protecting_balls", "voronoi_containment", "volume_sum", "closure"};
+  EXPECT_EQ(failed_checks(again, wanted), std::set<std::string>());
+}
+
+TEST(Retriangulate, KeepsFacesThatAreCoplanarUpToRounding) {
+  // Turned, no face of the cube is exactly flat, and no two of its circles through four points are the same.
+  Mesh<3> mesh = structured_cube();
+  for (Vec<3>& x : mesh.points) {
+    x = {0.8 * x[0] - 0.6 * x[1], 0.6 * x[0] + 0.8 * x[1], x[2]};
+    x = {x[0], 0.28 * x[1] - 0.96 * x[2], 0.96 * x[1] + 0.28 * x[2]};
+  }
+  const Mesh<3> again = retriangulate(mesh);
+  EXPECT_EQ(find_mesh_fault(again), "");
+  EXPECT_EQ(again.boundary_vertices.size(), mesh.boundary_vertices.size());
+  for (const auto& [marker, area] : areas_by_marker(mesh)) EXPECT_NEAR(areas_by_marker(again)[marker], area, 1e-12);
+  for (const auto& [region, volume] : volumes_by_region(mesh))
+    EXPECT_NEAR(volumes_by_region(again)[region], volume, 1e-12);
+  EXPECT_EQ(failed_checks(again, {"delaunay"}), std::set<std::string>());
+}
+
+TEST(Retriangulate, RefusesFacesThatNoOthersTile) {
+  // Two vertices so near to the interface, on its two sides, that the edge between them crosses it.
+  Mesh<3> mesh = structured_cube();
+  for (Vec<3>& x : mesh.points)
+    if (std::abs(x[0] - 0.5) < 0.2 && x[0] != 0.5 && x[1] == 0.5 && x[2] == 0.5)
+      x = {x[0] < 0.5 ? 0.48 : 0.52, 0.55, 0.58};
+  EXPECT_EQ(test::fault_of<InputError>([&] { retriangulate(mesh); }).id, "mesh.boundary_lost");
+}
 
 /// The two triangles of the unit square along its diagonal from (0, 0), which moved corners make the wrong one.
 Mesh<2> wrong_diagonal(int left_region, int diagonal_marker) {
