@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/random.h"
 #include "coarsening/improve_level.h"
@@ -73,7 +74,8 @@ class Hierarchy {
       kept_.clear();
       for (const VertexId v : levels[i].finest_vertex) kept_.push_back(v.value());
     }
-    for (std::size_t i = 0; i < n_levels; ++i) link_level<2>(mesh_, i == 0 ? nullptr : &levels[i - 1], levels[i]);
+    leave_out_where_nothing_is_gained(levels);
+    for (std::size_t i = 0; i < levels.size(); ++i) link_level<2>(mesh_, i == 0 ? nullptr : &levels[i - 1], levels[i]);
     return levels;
   }
 
@@ -88,6 +90,14 @@ class Hierarchy {
     w.order = options_.order;
     w.max_area_change = options_.max_area_change;
     return w;
+  }
+
+  /// What bounds the change of areas may allow no fewer vertices.
+  void leave_out_where_nothing_is_gained(std::vector<SimplifiedLevel<2>>& levels) const {
+    std::size_t before = mesh_.points.size();
+    std::erase_if(levels, [&](const SimplifiedLevel<2>& level) {
+      return level.mesh.points.size() >= std::exchange(before, std::min(before, level.mesh.points.size()));
+    });
   }
 
   /// The packing that comes closest to a number of vertices from below; the smallest one if there is none below.

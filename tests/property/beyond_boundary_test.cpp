@@ -183,6 +183,17 @@ TEST(BeyondBoundary, DiskReachesNumbersOfVerticesFromBelow) {
   EXPECT_GT(levels[1].boundary_distance, 0);
 }
 
+TEST(BeyondBoundary, LevelsThatGainNothingAreLeftOut) {
+  const Mesh<2> fine = test::mesh_of(domains::unit_square(), 0.2);
+  BeyondBoundaryOptions options;
+  options.levels = 8;
+  options.trials = 20;
+  const auto levels = coarsen_beyond_boundary(fine, options);
+  EXPECT_GE(levels.size(), 1U);
+  EXPECT_LT(levels.size(), 8U);
+  expect_laws(fine, levels, options);
+}
+
 TEST(BeyondBoundary, ImprovementImprovesTheWorstAngle) {
   const Mesh<2> fine = disk(0.06);
   BeyondBoundaryOptions options;

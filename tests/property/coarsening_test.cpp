@@ -111,6 +111,22 @@ TEST(Coarsening, ShapesDoNotDecay) {
   }
 }
 
+/// A lattice fits some growths badly: such a level has hardly fewer vertices than the next finer one, and coarser ones
+/// follow nevertheless.
+TEST(Coarsening, SmallGrowthsGoOnBeyondALevelThatGainsNothing) {
+  const Mesh<2> finest = test::mesh_of(domains::l_shape<2>(), 0.02);
+  for (const double growth : {1.3, 1.4}) {
+    CoarseningOptions options;
+    options.levels = 10;
+    options.growth = growth;
+    const CoarseningHierarchy<2> hierarchy = coarsen(finest, options);
+    test::expect_nested(finest, hierarchy);
+    EXPECT_GE(hierarchy.levels.size(), 4U) << growth;
+    EXPECT_LT(15 * hierarchy.levels.back().mesh.points.size(), finest.points.size()) << growth;
+    for (const auto& level : hierarchy.levels) test::expect_certified(level, &hierarchy.domain, options.lipschitz);
+  }
+}
+
 TEST(Coarsening, ThreadsDoNotMatter) {
   const test::AllowThreads allow(8);
   const Mesh<3> finest = test::mesh_of(domains::l_shape<3>(), 0.15);

@@ -13,12 +13,13 @@
 
 namespace voropack::test {
 
-/// Each vertex of the level is one of the finest mesh and one of the next finer one, in the same place, and no two are
-/// the same one.
+/// Each vertex of the level is one of the finest mesh and one of the next finer one, in the same place, no two are the
+/// same one, and there are fewer than on the next finer one.
 template <int D>
 void expect_nested(const Mesh<D>& finest, const Mesh<D>& finer, const CoarseLevel<D>& level) {
   ASSERT_EQ(level.finest_vertex.size(), level.mesh.points.size());
   ASSERT_EQ(level.finer_vertex.size(), level.mesh.points.size());
+  EXPECT_LT(level.mesh.points.size(), finer.points.size());
   std::vector<std::uint8_t> seen(finer.points.size(), 0);
   for (const VertexId v : ids(level.mesh.points)) {
     EXPECT_EQ(level.mesh.points[v], finest.points[level.finest_vertex[v]]);
@@ -32,7 +33,6 @@ template <int D>
 void expect_nested(const Mesh<D>& finest, const CoarseningHierarchy<D>& hierarchy) {
   const Mesh<D>* finer = &finest;
   for (const CoarseLevel<D>& level : hierarchy.levels) {
-    EXPECT_LT(level.mesh.points.size(), finer->points.size());
     expect_nested(finest, *finer, level);
     finer = &level.mesh;
   }
