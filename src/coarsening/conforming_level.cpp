@@ -39,7 +39,7 @@ double ConformingLevel::edge_cost(std::uint32_t chain, std::uint32_t from, std::
   const auto& vertices = fine_->chains[chain].vertices;
   const double length = distance(fine_->points[vertices[from]], fine_->points[vertices[to]]);
   const double quality = boundary_quality(chain_deviation(*fine_, fine_->chains[chain], from, to), length);
-  return std::exp((cost_.goal_deg - quality) / cost_.scale_deg);
+  return cost_of(quality);
 }
 
 ConformingLevel::ConformingLevel(const ChainedMesh& fine)
@@ -214,18 +214,18 @@ bool ConformingLevel::is_sound(Slot slot) const {
   return true;
 }
 
-double ConformingLevel::quality(Slot slot) const {
-  const auto& c = triangulation_.triangle(slot).corners;
-  return triangle_quality(triangulation_.point(c[0]), triangulation_.point(c[1]), triangulation_.point(c[2]));
-}
+double ConformingLevel::cost_of(double quality) const { return std::exp((cost_.goal_deg - quality) / cost_.scale_deg); }
 
 void ConformingLevel::measure(Slot slot) {
   SlotState& s = state_[slot];
   s.is_fresh = false;
   if (region_[slot] < 0) return;
-  const auto& c = triangulation_.triangle(slot).corners;
-  s.area = area_of(triangulation_.point(c[0]), triangulation_.point(c[1]), triangulation_.point(c[2]));
-  s.cost = std::exp((cost_.goal_deg - quality(slot)) / cost_.scale_deg);
+  const auto& corners = triangulation_.triangle(slot).corners;
+  const Vec<2>&a = triangulation_.point(corners[0]), &b = triangulation_.point(corners[1]),
+        &c = triangulation_.point(corners[2]);
+  s.area = area_of(a, b, c);
+  s.quality = triangle_quality(a, b, c);
+  s.cost = cost_of(s.quality);
   area_[static_cast<std::size_t>(region_[slot])] += s.area;
   cost_change_ += s.cost;
 }
@@ -290,8 +290,7 @@ std::vector<std::uint32_t> ConformingLevel::misplaced_vertices() const {
 void ConformingLevel::set_cost(const ShapeCost& cost) {
   cost_ = cost;
   for (Slot slot = 0; slot < triangulation_.n_slots(); ++slot)
-    if (triangulation_.is_alive(slot) && region_[slot] >= 0)
-      state_[slot].cost = std::exp((cost_.goal_deg - quality(slot)) / cost_.scale_deg);
+    if (triangulation_.is_alive(slot) && region_[slot] >= 0) state_[slot].cost = cost_of(state_[slot].quality);
 }
 
 std::vector<ConformingLevel::Fault> ConformingLevel::boundary_faults() const {

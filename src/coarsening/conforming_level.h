@@ -77,7 +77,8 @@ class ConformingLevel {
   [[nodiscard]] const EditableTriangulation& triangulation() const { return triangulation_; }
   /// The region of a triangle, or kOutside.
   [[nodiscard]] int region(Slot slot) const { return region_[slot]; }
-  [[nodiscard]] double quality(Slot slot) const;
+  /// Of a triangle in a region.
+  [[nodiscard]] double quality(Slot slot) const { return state_[slot].quality; }
   [[nodiscard]] double area_change() const;  ///< The largest one of a region, as a part of its area.
 
   // Chains. Positions of chosen vertices only.
@@ -104,7 +105,8 @@ class ConformingLevel {
   struct SlotState {
     std::uint8_t boundary_sides = 0;  ///< Bit i: side i is on the simplified boundary.
     bool is_fresh = false;            ///< Made since the last `settle`.
-    double cost = 0, area = 0;        ///< As counted in the sums.
+    double quality = 0;
+    double cost = 0, area = 0;  ///< As counted in the sums.
   };
 
   [[nodiscard]] double edge_cost(std::uint32_t chain, std::uint32_t from, std::uint32_t to) const;
@@ -127,6 +129,7 @@ class ConformingLevel {
     return {c[(i + 1) % 3], c[(i + 2) % 3]};
   }
   void measure(Slot slot);
+  [[nodiscard]] double cost_of(double quality) const;
 
   const ChainedMesh* fine_;
   EditableTriangulation triangulation_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/random.h"
 
@@ -25,10 +26,11 @@ class Improver {
 
   std::size_t run() {
     constexpr std::size_t kSteps = 12;
-    constexpr double kWarmest = 0.4;  // In costs: of one triangle of the quality that is the goal.
+    constexpr double kWarmest = 1.5;  // In costs: of one triangle of the quality that is the goal.
     for (std::size_t step = 0; step < kSteps; ++step) {
       // The goal follows what has been reached: some triangles cost about 1, no matter how good the level is.
-      level_.set_cost({worst_quality(level_) + kGoalAbove, kCostScale});
+      goal_deg_ = worst_quality(level_) + kGoalAbove;
+      level_.set_cost({goal_deg_, kCostScale});
       temperature_ = kWarmest * (1 - static_cast<double>(step + 1) / kSteps);
       sweep(wish_.trials * level_.n_vertices() / kSteps);
     }
@@ -36,7 +38,8 @@ class Improver {
   }
 
  private:
-  static constexpr double kGoalAbove = 3, kCostScale = 1.5;
+  static constexpr double kGoalAbove = 3, kCostScale = 2;
+  static constexpr std::size_t kRings = 2;
 
   bool accept(double change) {
     if (change < 0) return change < -1e-9;
@@ -45,25 +48,50 @@ class Improver {
 
   std::uint32_t pick(std::size_t n) { return static_cast<std::uint32_t>(random_.bits() % n); }
 
+  /// Tries exchanges where something is wrong: at triangles near the goal and kRings around them, which have to move
+  /// together. As many for each vertex there as everywhere, were there bad triangles everywhere.
   void sweep(std::size_t n_trials) {
-    std::vector<std::pair<double, std::uint32_t>> worst;
-    for (std::size_t trial = 0; trial < n_trials;) {
+    for (double n_tried = 0; n_tried < static_cast<double>(n_trials);) {
       observer_.check_cancelled();
-      worst.clear();
-      const auto& t = level_.triangulation();
-      for (std::uint32_t slot = 0; slot < t.n_slots(); ++slot)
-        if (t.is_alive(slot) && level_.region(slot) >= 0) worst.push_back({level_.quality(slot), slot});
-      std::sort(worst.begin(), worst.end());
+      const std::size_t n_all = find_worst();
+      if (worst_.empty()) return;
       // Bad triangles more often than good ones: each batch works on a prefix of random length.
-      const std::size_t batch = std::max<std::size_t>(16, worst.size() / 8);
-      for (std::size_t k = 0; k < batch && trial < n_trials; ++k, ++trial) {
+      const std::size_t batch = std::max<std::size_t>(16, worst_.size() / 8);
+      for (std::size_t k = 0; k < batch; ++k) {
         const double u = random_.unit();
-        const auto i = static_cast<std::size_t>(u * u * u * static_cast<double>(worst.size()));
-        const std::uint32_t slot = worst[i].second;
-        if (!t.is_alive(slot) || level_.region(slot) < 0) continue;
-        try_triangle(slot);
+        const auto i = static_cast<std::size_t>(u * u * u * static_cast<double>(worst_.size()));
+        const std::uint32_t slot = worst_[i].second;
+        if (level_.triangulation().is_alive(slot) && level_.region(slot) >= 0) try_triangle(slot);
       }
+      n_tried += static_cast<double>(batch) * static_cast<double>(n_all) / static_cast<double>(worst_.size());
     }
+  }
+
+  /// Fills worst_, the worst first; the number of all triangles.
+  std::size_t find_worst() {
+    const auto& t = level_.triangulation();
+    worst_.clear();
+    is_near_.assign(t.n_slots(), 0);
+    std::size_t n_all = 0;
+    const auto add = [&](std::uint32_t slot) {
+      if (std::exchange(is_near_[slot], 1) == 0) worst_.push_back({level_.quality(slot), slot});
+    };
+    for (std::uint32_t slot = 0; slot < t.n_slots(); ++slot) {
+      if (!t.is_alive(slot) || level_.region(slot) < 0) continue;
+      ++n_all;
+      if (level_.quality(slot) <= goal_deg_ + kGoalAbove) add(slot);
+    }
+    std::size_t ring_begin = 0;
+    for (std::size_t ring = 0; ring < kRings; ++ring) {
+      const std::size_t ring_end = worst_.size();
+      for (; ring_begin < ring_end; ++ring_begin)
+        for (const std::uint32_t v : t.triangle(worst_[ring_begin].second).corners)
+          t.around(v, [&](std::uint32_t slot, std::size_t) {
+            if (level_.region(slot) >= 0) add(slot);
+          });
+    }
+    std::sort(worst_.begin(), worst_.end());
+    return n_all;
   }
 
   void try_triangle(std::uint32_t slot) {
@@ -147,7 +175,9 @@ class Improver {
   Observer& observer_;
   Random random_;
   std::vector<std::uint8_t> is_kept_;
-  double temperature_ = 0;
+  std::vector<std::pair<double, std::uint32_t>> worst_;  ///< Quality and slot.
+  std::vector<std::uint8_t> is_near_;                    ///< Per slot: whether in worst_.
+  double temperature_ = 0, goal_deg_ = 0;
   std::size_t n_exchanges_ = 0;
 };
 
