@@ -45,6 +45,8 @@ void check_options(const BeyondBoundaryOptions& o) {
     throw_bad_option(fmt::format("max_area_change is {}", o.max_area_change), "take a number between 0 and 1");
   if (!(o.feature_angle_deg > 0 && o.feature_angle_deg <= 180))
     throw_bad_option(fmt::format("the feature angle is {}", o.feature_angle_deg), "take 180 degrees or less");
+  if (!o.target_vertices.empty() && o.target_vertices.back() == 0)
+    throw_bad_option("a level is to have 0 vertices", "take at least 1");
   for (std::size_t i = 1; i < o.target_vertices.size(); ++i)
     if (o.target_vertices[i] >= o.target_vertices[i - 1])
       throw_bad_option("the numbers of vertices do not fall from level to level", "give them from fine to coarse");
@@ -263,8 +265,6 @@ template <>
 std::vector<SimplifiedLevel<3>> coarsen_beyond_boundary<3>(const Mesh<3>& mesh, const BeyondBoundaryOptions& options,
                                                            Observer& observer) {
   check_options(options);
-  if (!options.target_vertices.empty())
-    throw_bad_option("numbers of vertices are given for levels beyond the boundary in space", "give a growth instead");
   require_delaunay(mesh);
   observer.begin_stage("coarsen");
   return make_space_hierarchy(mesh, options, observer);

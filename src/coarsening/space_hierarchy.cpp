@@ -32,6 +32,10 @@ constexpr double kLessAllowance = 0.7;
 constexpr double kVolumeUse = 0.95;
 /// So often f shrinks on one level where simplices are long or leave room.
 constexpr int kMaxRounds = 2;
+/// Hierarchies built to find growths for given numbers of vertices, and how near they are to come: within this part
+/// below.
+constexpr int kMaxHierarchies = 10;
+constexpr double kNearEnough = 0.05;
 
 /// The minimum of Lipschitz functions, each of which grows from one center.
 class Caps {
@@ -70,6 +74,67 @@ std::vector<double> half_distances(const std::vector<Vec<3>>& points) {
   return half;
 }
 
+/// Growths of levels for given numbers of vertices. How a number falls with the logarithm of the growth is learned from
+/// one hierarchy to the next; as if levels did not depend on each other, which holds better the nearer they are.
+class GrowthSearch {
+ public:
+  GrowthSearch(std::size_t n_finest, const std::vector<std::size_t>& wished) : wished_(wished) {
+    for (const std::size_t n : wished)
+      log_growth_.push_back(std::log(static_cast<double>(n_finest) / static_cast<double>(n)) / kInside);
+    exponent_.assign(wished.size(), kInside);
+    keep_growing();
+  }
+
+  /// From each level to the next one.
+  [[nodiscard]] std::vector<double> growth() const {
+    std::vector<double> result;
+    double before = 0;
+    for (const double value : log_growth_) result.push_back(std::exp(value - std::exchange(before, value)));
+    return result;
+  }
+
+  /// How far the worst level is below its number, as a part of it; more than 1 if one is above.
+  [[nodiscard]] double miss(const std::vector<std::size_t>& found) const {
+    double below = 0, above = 0;
+    for (std::size_t i = 0; i < wished_.size(); ++i) {
+      const double part = static_cast<double>(found[i]) / static_cast<double>(wished_[i]);
+      below = std::max(below, 1 - part);
+      above = std::max(above, part - 1);
+    }
+    return above > 0 ? 1 + above : below;
+  }
+
+  void learn(const std::vector<std::size_t>& found) {
+    std::vector<double> log_found;
+    for (const std::size_t n : found) log_found.push_back(std::log(static_cast<double>(n)));
+    const std::vector<double> tried = log_growth_;
+    for (std::size_t i = 0; i < wished_.size(); ++i) {
+      if (!tried_.empty() && std::abs(tried[i] - tried_[i]) > kLeastStep)
+        exponent_[i] = std::clamp((log_found_[i] - log_found[i]) / (tried[i] - tried_[i]), kLeastExponent, kInside);
+      log_growth_[i] +=
+          (log_found[i] - std::log((1 - 0.5 * kNearEnough) * static_cast<double>(wished_[i]))) / exponent_[i];
+    }
+    keep_growing();
+    tried_ = tried;
+    log_found_ = std::move(log_found);
+  }
+
+ private:
+  static constexpr double kInside = 3;         // Where the boundary is far.
+  static constexpr double kLeastExponent = 1;  // So that a level that the boundary holds up does not run away.
+  static constexpr double kLeastStep = 1e-3;
+  static constexpr double kLeastGrowth = 0.02;  // Logarithms.
+
+  void keep_growing() {
+    double before = 0;
+    for (double& value : log_growth_) before = value = std::max(value, before + kLeastGrowth);
+  }
+
+  const std::vector<std::size_t>& wished_;
+  std::vector<double> log_growth_, exponent_;  ///< By level.
+  std::vector<double> tried_, log_found_;      ///< Of the hierarchy before.
+};
+
 class SpaceHierarchy {
  public:
   SpaceHierarchy(const Mesh<3>& mesh, const BeyondBoundaryOptions& options, Observer& observer)
@@ -78,21 +143,16 @@ class SpaceHierarchy {
         observer_(observer),
         lipschitz_(options.lipschitz.value_or(kLipschitz)),
         surface_(find_surface(mesh, {options.feature_angle_deg, options.merge_markers})),
-        vertex_region_(regions_of_vertices()) {}
+        vertex_region_(regions_of_vertices()),
+        edges_(build_edge_graph(mesh)),
+        initial_(initial_spacing(mesh, edges_, options.initial).initial) {}
 
   std::vector<SimplifiedLevel<3>> build() {
     if (surface_.triangles.empty()) return {};
-    find_spacings();
-    simplify_surfaces();
-    find_inner_vertices();
-    std::vector<SimplifiedLevel<3>> levels(plans_.size());
-    is_kept_.assign(mesh_.points.size(), 0);
-    for (std::size_t i = plans_.size(); i-- > 0;) {
-      observer_.progress(plans_.size() - 1 - i, plans_.size());
-      observer_.check_cancelled();
-      levels[i] = make_level(i);
-      for (const VertexId v : levels[i].finest_vertex) is_kept_[v.value()] = 1;
-    }
+    std::vector<SimplifiedLevel<3>> levels =
+        options_.target_vertices.empty()
+            ? make_levels(std::vector<double>(static_cast<std::size_t>(options_.levels), options_.growth))
+            : make_numbers();
     end_where_nothing_is_gained(levels);
     for (std::size_t i = 0; i < levels.size(); ++i) {
       link_level<3>(mesh_, i == 0 ? nullptr : &levels[i - 1], levels[i]);
@@ -106,9 +166,10 @@ class SpaceHierarchy {
 
   /// What is known of a level before the vertices inside are chosen.
   struct Plan {
+    double growth = 1;  ///< From the finest mesh.
     LevelSurface surface;
     double volume_change = 0;
-    Field spacing;  ///< growth^i f_0, made Lipschitz.
+    Field spacing;  ///< growth f_0, made Lipschitz.
     /// [n_vertices] 2: may be an inner vertex of this level and keeps its distance from the surfaces of all finer ones;
     /// 1: lies in its region on this level and all finer ones, and in no protecting ball.
     std::vector<std::uint8_t> admission;
@@ -126,14 +187,57 @@ class SpaceHierarchy {
     return region;
   }
 
-  void find_spacings() {
-    const EdgeGraph edges = build_edge_graph(mesh_);
-    Field f = initial_spacing(mesh_, edges, options_.initial).initial;
-    for (int i = 0; i < options_.levels; ++i) {
+  /// Levels 1, 2, ...: entry i of `growth` is what f grows by from level i to level i + 1.
+  std::vector<SimplifiedLevel<3>> make_levels(const std::vector<double>& growth) {
+    find_spacings(growth);
+    simplify_surfaces();
+    find_inner_vertices();
+    std::vector<SimplifiedLevel<3>> levels(plans_.size());
+    is_kept_.assign(mesh_.points.size(), 0);
+    for (std::size_t i = plans_.size(); i-- > 0;) {
+      observer_.progress(plans_.size() - 1 - i, plans_.size());
       observer_.check_cancelled();
-      for (double& value : f) value *= options_.growth;
-      make_lipschitz(edges, lipschitz_, f);
-      plans_.emplace_back().spacing = f;
+      levels[i] = make_level(i);
+      for (const VertexId v : levels[i].finest_vertex) is_kept_[v.value()] = 1;
+    }
+    return levels;
+  }
+
+  /// The hierarchy with the wished numbers of vertices, or as near below as a few attempts come; where there are none
+  /// below, the nearest above.
+  std::vector<SimplifiedLevel<3>> make_numbers() {
+    const std::vector<std::size_t>& wished = options_.target_vertices;
+    GrowthSearch search(mesh_.points.size(), wished);
+    std::vector<SimplifiedLevel<3>> best;
+    std::vector<std::size_t> found_before;
+    double least_miss = kInfinity;
+    for (int k = 0; k < kMaxHierarchies && least_miss > kNearEnough; ++k) {
+      std::vector<SimplifiedLevel<3>> levels = make_levels(search.growth());
+      std::vector<std::size_t> found;
+      for (const SimplifiedLevel<3>& level : levels) found.push_back(level.mesh.points.size());
+      if (found == found_before) break;  // What the boundary allows.
+      found_before = found;
+      const double miss = search.miss(found);
+      search.learn(found);
+      if (miss < least_miss) {
+        least_miss = miss;
+        best = std::move(levels);
+      }
+    }
+    return best;
+  }
+
+  void find_spacings(const std::vector<double>& growth) {
+    plans_.clear();
+    Field f = initial_;
+    double product = 1;
+    for (const double g : growth) {
+      observer_.check_cancelled();
+      for (double& value : f) value *= g;
+      make_lipschitz(edges_, lipschitz_, f);
+      Plan& plan = plans_.emplace_back();
+      plan.growth = product *= g;
+      plan.spacing = f;
     }
   }
 
@@ -269,7 +373,7 @@ class SpaceHierarchy {
   [[nodiscard]] SimplifiedLevel<3> finish(std::size_t i, const Domain<3>& domain, PackedLevel<3>&& packed) const {
     const Plan& plan = plans_[i];
     SimplifiedLevel<3> level;
-    level.growth = std::pow(options_.growth, static_cast<double>(i + 1));
+    level.growth = plan.growth;
     level.lipschitz = lipschitz_;
     level.area_change = plan.volume_change;
     PackingMesh<3> made = triangulate_packing(domain, std::move(packed.packing), observer_);
@@ -302,6 +406,8 @@ class SpaceHierarchy {
   double lipschitz_;
   SurfaceComplex surface_;
   std::vector<int> vertex_region_;  ///< Of inner vertices; as in the surface.
+  EdgeGraph edges_;
+  Field initial_;  ///< f_0.
   std::vector<Plan> plans_;
   std::vector<std::uint8_t> is_kept_;  ///< By vertex: whether it is in a coarser level.
 };

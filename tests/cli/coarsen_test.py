@@ -120,7 +120,11 @@ class Coarsen(CommandLineTest):
             self.assertLessEqual(level["area_change"], 0.02)
             claims = ["--packing", "maximal", "--epsilon", repr(level["epsilon"])] if "epsilon" in level else []
             self.succeed("check", f"out/level-{k}.node", *claims)
-        self.fail_with(2, "coarsen", "fine.node", "--beyond-boundary", "--target-nodes", "100", "-o", "no",
+        n_wanted = levels[1]["vertices"]
+        self.succeed("coarsen", "fine.node", "--beyond-boundary", "--target-nodes", str(n_wanted), "-o", "one",
+                     "--report", "report.json")
+        self.assertLessEqual(self.report()["levels"][0]["vertices"], n_wanted)
+        self.fail_with(2, "coarsen", "fine.node", "--beyond-boundary", "--target-nodes", "10,20", "-o", "no",
                        words="coarsen.bad_option")
 
     def test_options_beyond_the_boundary_need_it(self):

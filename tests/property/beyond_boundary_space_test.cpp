@@ -228,10 +228,39 @@ TEST(BeyondBoundaryInSpace, SharedSurfacesKeepTheLaws) {
 
 TEST(BeyondBoundaryInSpace, NothingHasNoLevels) { EXPECT_TRUE(coarsen_beyond_boundary(Mesh<3>{}).empty()); }
 
-TEST(BeyondBoundaryInSpace, NumbersOfVerticesAreRefused) {
+TEST(BeyondBoundaryInSpace, NumbersOfVerticesAreComeCloseToFromBelow) {
+  const Mesh<3> fine = test::mesh_of(d::dumbbell(), 0.15);
+  for (const std::vector<std::size_t>& wished : {std::vector<std::size_t>{900}, {1000, 500, 250}}) {
+    BeyondBoundaryOptions options;
+    options.max_area_change = 0.2;
+    options.target_vertices = wished;
+    const auto levels = coarsen_beyond_boundary(fine, options);
+    expect_laws(fine, levels, options);
+    ASSERT_EQ(levels.size(), wished.size());
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      EXPECT_LE(levels[i].mesh.points.size(), wished[i]);
+      EXPECT_GE(static_cast<double>(levels[i].mesh.points.size()), 0.95 * static_cast<double>(wished[i]));
+    }
+  }
+}
+
+TEST(BeyondBoundaryInSpace, TheNumberNearestAboveIsTakenWhereNoneIsBelow) {
+  const Mesh<3> fine = test::mesh_of(d::dumbbell(), 0.15);
   BeyondBoundaryOptions options;
-  options.target_vertices = {100};
-  EXPECT_THROW(coarsen_beyond_boundary(test::mesh_of(d::unit_box<3>(), 0.5), options), OptionError);
+  options.target_vertices = {5};
+  const auto levels = coarsen_beyond_boundary(fine, options);
+  expect_laws(fine, levels, options);
+  ASSERT_EQ(levels.size(), 1U);
+  EXPECT_GT(levels[0].mesh.points.size(), 5U);
+}
+
+TEST(BeyondBoundaryInSpace, NumbersOfVerticesFallAndAreNotZero) {
+  const Mesh<3> fine = test::mesh_of(d::unit_box<3>(), 0.5);
+  for (const std::vector<std::size_t>& wished : {std::vector<std::size_t>{0}, {10, 10}, {10, 20}}) {
+    BeyondBoundaryOptions options;
+    options.target_vertices = wished;
+    EXPECT_THROW(coarsen_beyond_boundary(fine, options), OptionError);
+  }
 }
 
 /// Of the dual face of ab in the simplex abpq, with the sign that the certificate measures.
