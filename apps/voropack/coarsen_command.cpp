@@ -321,7 +321,7 @@ ExitCode coarsen_mesh(const Mesh<D>& mesh, const CoarsenArguments& arguments, co
   }
   session.finish(report, level_table(mesh.points.size(), levels.figures, arguments, D) +
                              remarks(levels.figures, arguments) + stale_line(earlier, levels.all.size()) +
-                             fmt::format("levels: {}\n", arguments.folder.string()));
+                             (levels.all.empty() ? "" : fmt::format("levels: {}\n", arguments.folder.string())));
   return ok ? ExitCode::kDone : ExitCode::kCheckFailed;
 }
 

@@ -1,4 +1,7 @@
 // Vertices that no simplex has, such as the center of a circle in a mesh of Gmsh: they have no cell and no spacing.
+//
+// `refine` and `solve` leave them out before they begin. `coarsen` does not: prolongations have a row for every vertex
+// of the mesh given, so there they stay in the finest mesh and no level takes them (src/coarsening/fine_mesh.h).
 #pragma once
 
 #include <string>

@@ -39,8 +39,8 @@ Triangulation<D> delaunay_triangulation(const std::vector<Vec<D>>& points);
 /// Coplanar boundary faces with one marker and the same regions on their sides are one wall, which other faces may
 /// tile: where corners are cocircular, any diagonal will do. A simplex beside a wall gets the region that was there,
 /// others that of their neighbors on the same side; what gets none is outside. Walls and segments with a marker, and
-/// the volume that the boundary of each region encloses, have to be there again. Throws: InputError mesh.boundary_lost
-/// if they are not; names a face or region.
+/// the volume that the boundary of each region encloses, have to be there again.
+/// Throws: InputError mesh.boundary_lost if they are not; names a face or region.
 ///         InputError mesh.empty, mesh.too_large, mesh.too_small, delaunay.duplicate_points
 template <int D>
 Mesh<D> retriangulate(const Mesh<D>& mesh, Observer& observer = silent_observer());

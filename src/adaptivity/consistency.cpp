@@ -8,6 +8,7 @@
 
 #include "adaptivity/cell_neighbors.h"
 #include "adaptivity/symmetric.h"
+#include "geom/kite_halves.h"
 #include "mesh/faces.h"
 #include "mesh/vertex_set_table.h"
 #include "norms/dual_face_parts.h"
@@ -173,14 +174,7 @@ class Integrator {
     if constexpr (D == 2) {
       for (std::size_t a = 0; a < 2; ++a) add(a, {x[a], 0.5 * (x[0] + x[1])}, 0.5 * distance(x[0], x[1]));
     } else {
-      const Vec<3> center = triangle_circumcenter(x[0], x[1], x[2]);
-      const double twice_area = norm(cross(x[1] - x[0], x[2] - x[0]));
-      for (std::size_t a = 0; a < 3; ++a)
-        for (const std::size_t b : {(a + 1) % 3, (a + 2) % 3}) {
-          const std::size_t c = 3 - a - b;
-          const double area = distance_sq(x[a], x[b]) / 8 * dot(x[a] - x[c], x[b] - x[c]) / twice_area;
-          add(a, {x[a], 0.5 * (x[a] + x[b]), center}, area);
-        }
+      for (const auto& [a, part, area] : kite_halves(x)) add(a, part, area);
     }
   }
 

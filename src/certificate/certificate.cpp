@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "base/parallel.h"
+#include "base/place_text.h"
 #include "certificate/checks.h"
 #include "geom/tolerance.h"
 
@@ -11,16 +12,16 @@ namespace voropack {
 
 namespace judge {
 
-std::string number(double x, int n_digits) {
+std::string number(double x) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.*g", n_digits, x);
+  std::snprintf(text, sizeof text, "%.6g", x);
   return text;
 }
 
 template <int D>
 std::string Subject<D>::vertex_text(std::uint32_t v) const {
   std::string text = "vertex " + std::to_string(v);
-  if (v < mesh.points.size()) text += " at " + place(point(v), topology.box());
+  if (v < mesh.points.size()) text += " at " + place_text(point(v), topology.box());
   return text;
 }
 
@@ -35,7 +36,7 @@ std::string Subject<D>::simplex_text(std::uint32_t s) const {
     if (v.value() < mesh.points.size()) center += mesh.points[v] / (D + 1);
   }
   text += ')';
-  if (topology.valid(s)) text += " near " + place(center, topology.box());
+  if (topology.valid(s)) text += " near " + place_text(center, topology.box());
   return text;
 }
 
@@ -50,7 +51,7 @@ std::string Subject<D>::boundary_text(std::uint32_t b) const {
     if (face.valid) center += point(v) / D;
   }
   text += "; marker " + std::to_string(face.marker) + ')';
-  if (face.valid) text += " near " + place(center, topology.box());
+  if (face.valid) text += " near " + place_text(center, topology.box());
   return text;
 }
 
@@ -58,7 +59,7 @@ template <int D>
 std::string Subject<D>::ball_text(const ProtectingBall<D>& ball) const {
   if (!ball.is_segment_edge) return boundary_text(ball.index);
   return "segment edge " + std::to_string(ball.index) + " (vertices " + std::to_string(ball.corner[0]) + ' ' +
-         std::to_string(ball.corner[1]) + ") near " + place(ball.ball.center, topology.box());
+         std::to_string(ball.corner[1]) + ") near " + place_text(ball.ball.center, topology.box());
 }
 
 template <int D>

@@ -1,5 +1,6 @@
 // Check `conformity`, the part that needs no domain: the boundary complex is complete and consistent.
 #include <algorithm>
+#include <map>
 
 #include "base/parallel.h"
 #include "certificate/conformity.h"
@@ -169,15 +170,21 @@ class UnmarkedFaces {
   }
 
   /// Whether the simplex of the face and `apex` is there, and its region is elsewhere, too.
-  [[nodiscard]] bool is_stray(const BoundaryFace<D>& face, std::uint32_t apex) const {
+  [[nodiscard]] bool is_stray(const BoundaryFace<D>& face, std::uint32_t apex) {
     for (std::size_t k = 0; k < 2; ++k) {
       const auto& corners = subject_.mesh.simplex_vertices[SimplexId(face.simplex[k])];
       if (corners[face.corner[k]].value() != apex) continue;
-      for (std::size_t s = 0; s < subject_.mesh.simplex_vertices.size(); ++s)
-        if (s != face.simplex[k] && subject_.topology.region(s) == subject_.topology.region(face.simplex[k]))
-          return true;
+      if (region_size(subject_.topology.region(face.simplex[k])) > 1) return true;
     }
     return false;
+  }
+
+  /// Counted when first asked for: few meshes have a face for which it matters.
+  [[nodiscard]] std::size_t region_size(int region) {
+    if (region_size_.empty())
+      for (std::size_t s = 0; s < subject_.mesh.simplex_vertices.size(); ++s)
+        ++region_size_[subject_.topology.region(s)];
+    return region_size_.at(region);
   }
 
   [[nodiscard]] static int side(const std::array<Vec<D>, D + 1>& x) {
@@ -192,6 +199,7 @@ class UnmarkedFaces {
   ConformityReport& report_;
   std::vector<std::pair<Key, std::uint32_t>> faces_;  ///< Vertices and number of each, sorted.
   std::vector<Ridge> ridges_;                         ///< Sorted.
+  std::map<int, std::size_t> region_size_;            ///< Simplices of each region.
 };
 
 /// A vertex inside a facet (in the plane: inside a segment) has boundary faces of one marker around it, a vertex inside

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "base/place_text.h"
 #include "certificate/conformity.h"
 #include "geom/tolerance.h"
 
@@ -56,12 +57,12 @@ class DomainComparison {
   }
 
   [[nodiscard]] std::string point_text(PointId p) const {
-    return "point " + std::to_string(p.value()) + " of the domain at " + place(domain_.points[p], domain_.box);
+    return "point " + std::to_string(p.value()) + " of the domain at " + place_text(domain_.points[p], domain_.box);
   }
   [[nodiscard]] std::string segment_text(std::uint32_t s) const {
     const auto& ends = domain_.segments[SegmentId(std::size_t{s})];
-    return "segment " + std::to_string(s) + " of the domain from " + place(domain_.points[ends[0]], domain_.box) +
-           " to " + place(domain_.points[ends[1]], domain_.box);
+    return "segment " + std::to_string(s) + " of the domain from " + place_text(domain_.points[ends[0]], domain_.box) +
+           " to " + place_text(domain_.points[ends[1]], domain_.box);
   }
   [[nodiscard]] std::string edge_text(const Edge& e) const {
     return "from " + subject_.vertex_text(e[0]) + " to " + subject_.vertex_text(e[1]);

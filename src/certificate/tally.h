@@ -1,7 +1,6 @@
 // How a check counts what it tests and remembers its worst case, in a way that parallel blocks can combine.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -88,20 +87,8 @@ inline Certificate::Check make_check(std::string name, const Tally& tally, std::
   return check;
 }
 
-/// `n_digits` significant digits.
-std::string number(double x, int n_digits = 6);
-
-/// "(0.5, 0.25)": six significant digits, and as many more as all points in `box` have in common.
-template <int D>
-std::string place(const Vec<D>& p, const Box<D>& box) {
-  double largest = 0;
-  for (int k = 0; k < D; ++k) largest = std::max({largest, std::abs(box.lo[k]), std::abs(box.hi[k])});
-  const double common = std::log10(largest / box.diagonal());
-  const int n_digits = common > 0 ? 6 + static_cast<int>(std::ceil(std::min(common, 11.0))) : 6;
-  std::string text = "(";
-  for (int k = 0; k < D; ++k) text += (k > 0 ? ", " : "") + number(p[k], n_digits);
-  return text + ')';
-}
+/// Six significant digits.
+std::string number(double x);
 
 /// A sum of many terms whose error does not grow with their number (Neumaier 1974).
 class AccurateSum {

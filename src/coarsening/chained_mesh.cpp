@@ -54,7 +54,8 @@ std::vector<BoundaryEdge> find_edges(const Mesh<2>& mesh, const std::vector<Side
     if (regions[0] == kOutside && regions[1] == kOutside)
       throw InputError(
           Fault{.id = "coarsen.not_an_edge",
-                .message = fmt::format("boundary edge {} is no edge of the mesh (vertices {}, {})", b.value(), u, v),
+                .message = fmt::format("boundary edge {} is no edge of the mesh (vertices {}, {}; all counted from 0)",
+                                       b.value(), u, v),
                 .fix = "mesh the domain anew"});
     edges.push_back({{u, v}, regions, mesh.boundary_marker[b]});
   }

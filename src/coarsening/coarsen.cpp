@@ -282,7 +282,6 @@ class Coarsener {
 
   PackedLevel<D> pack_one(const Field& grown) {
     std::size_t n_before = 0;
-    Vec<D> last;  // A place where a ball was not empty.
     const int max_rounds = ground_ == grounds_[0].get() ? kMaxRounds : kMaxOwnRounds;
     for (int round = 0; round <= max_rounds; ++round) {
       Field f(grown.size());
@@ -296,16 +295,15 @@ class Coarsener {
         level.faults = complete_level(fine(), options_.lipschitz, level, observer_);
         // Where f is that of the finest mesh all of its vertices are there, and it helps no more to shrink.
         if (!level.faults.empty() && level.vertex.size() != std::exchange(n_before, level.vertex.size())) {
-          last = level.faults.back().center;
           shrink(level.faults);
           continue;
         }
         if (!level.faults.empty()) find_epsilon(level);
         return level;
       }
-      last = level.faults.back().center;
       shrink(level.faults);
     }
+    const Vec<D>& last = ground_->caps.back().center;  // A place where a ball was not empty.
     if (ground_ != grounds_[0].get())
       throw InputError(
           Fault{.id = "coarsen.level_boundary",

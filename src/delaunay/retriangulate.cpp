@@ -62,7 +62,7 @@ template <int D>
 std::string face_text(const std::array<VertexId, D>& face) {
   std::string text = D == 2 ? "edge" : "face";
   for (const VertexId v : face) text += fmt::format(" {}", v.value());
-  return text;
+  return text + " (counted from 0)";
 }
 
 template <int D>
@@ -216,7 +216,7 @@ void set_segments(Mesh<3>& mesh, const Mesh<3>& old) {
     if (is_there[e] != 0) continue;
     const auto [a, b] = old.segment_edges[e];
     const Vec<3>& x = old.points[a];
-    fail(fmt::format("segment edge {} {} is not in the Delaunay triangulation", a.value(), b.value()),
+    fail(fmt::format("segment edge {} {} (counted from 0) is not in the Delaunay triangulation", a.value(), b.value()),
          {x.coord.begin(), x.coord.end()});
   }
   mesh.segment_edges = old.segment_edges;

@@ -285,7 +285,10 @@ class PatchTiler {
     const Face face = face_vertices(mesh_, s, i);
     if (std::ranges::any_of(face, [&](VertexId v) { return patches_at_[v.value()].empty(); })) return;
     const bool is_hull = mesh_.simplex_neighbors[s][static_cast<std::size_t>(i)].is_none();
-    for (const std::uint32_t p : patches_at_[face[0].value()]) {
+    // Some vertices, such as the tip of a cone, are in as many patches as there are faces around them.
+    const VertexId of_fewest =
+        *std::ranges::min_element(face, {}, [&](VertexId v) { return patches_at_[v.value()].size(); });
+    for (const std::uint32_t p : patches_at_[of_fewest.value()]) {
       if (!std::ranges::all_of(face, [&](VertexId v) { return is_on(v, p); })) continue;
       if (geometry_.is_flat(p, mesh_.simplex_vertices[s])) continue;
       if (is_tile(p, face)) tiles_[p].push_back(face);

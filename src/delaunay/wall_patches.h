@@ -30,8 +30,8 @@ template <int D>
 std::vector<WallPatch<D>> find_wall_patches(const Mesh<D>& mesh, const FaceTable<D>& faces);
 
 /// For each patch the faces of `mesh` that tile it, turning as it does; nothing where none do. `mesh` has the patches'
-/// vertices and neighbors, its regions are not looked at. Where simplices in the plane of the patch leave
-/// more than one tiling, since its vertices are coplanar only up to rounding, it is that in front of them.
+/// vertices and neighbors, its regions are not looked at. Where simplices in the plane of the patch leave more than one
+/// tiling, since its vertices are coplanar only up to rounding, it is that in front of them.
 template <int D>
 std::vector<std::vector<std::array<VertexId, D>>> tile_patches(const Mesh<D>& mesh,
                                                                const std::vector<WallPatch<D>>& patches);

@@ -151,7 +151,7 @@ void check_angles(const Domain<D>& domain, const PolytopeNames& names, double mi
     faults.add(
         "small_angle",
         fmt::format("{} and {} meet at {:.6g} degrees at {}, less than {:g}{}", name(pair.first), name(pair.second),
-                    finding.angle * 180 / std::numbers::pi, text(finding.place), min_angle_deg,
+                    finding.angle * 180 / std::numbers::pi, place_text(finding.place), min_angle_deg,
                     sorted.size() > 1 ? fmt::format(" (one of {} such pairs)", sorted.size()) : ""),
         "widen the angle, or allow it by a smaller limit", finding.place, line(pair.first));
 }

@@ -17,13 +17,13 @@ void check_points(const DomainInput<D>& input, FaultList<D>& faults) {
   const Names<D> names(input);
   const auto check = [&](const Vec<D>& x, const std::string& name) {
     if (!is_finite(x)) {
-      faults.add("not_finite", fmt::format("{} has a coordinate that is not a finite number: {}", name, text(x)),
+      faults.add("not_finite", fmt::format("{} has a coordinate that is not a finite number: {}", name, place_text(x)),
                  "give finite coordinates", x);
       return;
     }
     for (int k = 0; k < D; ++k)
       if (std::abs(x[k]) > kMaxCoordinate) {
-        faults.add("too_large", fmt::format("{} lies at {}, beyond {:g}", name, text(x), kMaxCoordinate),
+        faults.add("too_large", fmt::format("{} lies at {}, beyond {:g}", name, place_text(x), kMaxCoordinate),
                    "scale the domain down", x);
         return;
       }
@@ -143,7 +143,7 @@ Complex<D> collect_points(const DomainInput<D>& input, FaultList<D>& faults) {
   for (std::size_t i = 0; i < input.points.size(); ++i)
     if (referenced[i] != 0 || !input.is_surface) complex.box.add(input.points[i]);
   if (complex.box.diagonal() < kMinDiameter) {
-    faults.add("too_small", fmt::format("all points lie within {:g} of {}", kMinDiameter, text(complex.box.lo)),
+    faults.add("too_small", fmt::format("all points lie within {:g} of {}", kMinDiameter, place_text(complex.box.lo)),
                "give points that differ, or scale the domain up", complex.box.lo);
     faults.throw_if_any();
   }
@@ -152,7 +152,7 @@ Complex<D> collect_points(const DomainInput<D>& input, FaultList<D>& faults) {
     faults.add("too_far",
                fmt::format("the domain is {:.3g} across and lies near {}, where double precision tells apart no points "
                            "nearer than {:.2g} safely",
-                           complex.box.diagonal(), text(complex.box.lo), complex.tolerance),
+                           complex.box.diagonal(), place_text(complex.box.lo), complex.tolerance),
                "move the domain towards the origin", complex.box.lo);
     faults.throw_if_any();
   }
@@ -271,7 +271,7 @@ void collect_elements(Complex<D>& complex, const DomainOptions& options, FaultLi
     if (ends[0] == ends[1])
       faults.add("zero_size_segment",
                  fmt::format("{} has no length (within the tolerance of {:.3g}) at {}", names.segment(s),
-                             complex.tolerance, text(complex.points[ends[0]])),
+                             complex.tolerance, place_text(complex.points[ends[0]])),
                  "remove it, or correct its ends", complex.points[ends[0]], given.line);
     else
       parents.add({ends, given.marker, true, s, kNone});

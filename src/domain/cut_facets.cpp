@@ -95,7 +95,7 @@ class Cutter {
                   fmt::format("in the plane of {}, {} meets another segment or point within the tolerance of {:.3g} "
                               "near {}",
                               names_.facet(facet.input), complex_.parent_name(complex_.segments[s].parent),
-                              complex_.tolerance, text(place)),
+                              complex_.tolerance, place_text(place)),
                   "let them meet in common points, or move them apart", place, line);
     }
     if (!plane.conflicts.empty()) return;
@@ -141,10 +141,11 @@ class Cutter {
       for (const Index s : bounds[piece])
         place += 0.5 * (complex_.points[complex_.segments[s].ends[0]] + complex_.points[complex_.segments[s].ends[1]]);
       place = place / static_cast<double>(bounds[piece].size());
-      faults_.add(
-          "self_intersection",
-          fmt::format("{} and {} overlap near {}", names_.facet(first.input), names_.facet(second.input), text(place)),
-          "remove one of them, or the part that they have in common", place, complex_.input->facets[second.input].line);
+      faults_.add("self_intersection",
+                  fmt::format("{} and {} overlap near {}", names_.facet(first.input), names_.facet(second.input),
+                              place_text(place)),
+                  "remove one of them, or the part that they have in common", place,
+                  complex_.input->facets[second.input].line);
     }
   }
 
@@ -173,7 +174,7 @@ class Cutter {
         const Vec<3> place = points[a] + (ha != hb ? ha / (ha - hb) : 0.5) * (points[b] - points[a]);
         faults_.add("self_intersection",
                     fmt::format("{} passes through {} at {}", complex_.parent_name(complex_.segments[s].parent),
-                                names_.facet(complex_.facets[f].input), text(place)),
+                                names_.facet(complex_.facets[f].input), place_text(place)),
                     "let them meet in common points and segments, or move one of them", place,
                     complex_.parent_line(complex_.segments[s].parent));
       });

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "base/place_text.h"
 namespace voropack::domain_impl {
 
 template <int D>
@@ -29,11 +28,6 @@ std::string Names<D>::facet(std::size_t i) const {
 }
 
 template <int D>
-std::string text(const Vec<D>& x) {
-  return place_text(x);
-}
-
-template <int D>
 void FaultList<D>::add(const std::string& id, std::string message, std::string fix,
                        const std::optional<Vec<D>>& position, const std::optional<std::uint64_t>& line) {
   if (full()) return;
@@ -47,7 +41,5 @@ template class Names<2>;
 template class Names<3>;
 template class FaultList<2>;
 template class FaultList<3>;
-template std::string text(const Vec<2>&);
-template std::string text(const Vec<3>&);
 
 }  // namespace voropack::domain_impl

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/place_text.h"
 #include "voropack/domain.h"
 #include "voropack/error.h"
 
@@ -25,10 +26,6 @@ class Names {
  private:
   const DomainInput<D>* input_;
 };
-
-/// `(0.25, 1, -3)`.
-template <int D>
-std::string text(const Vec<D>& x);
 
 /// Up to kMaxFaults faults; more are counted only.
 template <int D>

@@ -123,7 +123,7 @@ class PlaneFinder {
       const Vec<3> place = facet.points.empty() ? Vec<3>{} : complex_.points[facet.points.front()];
       faults_.add("zero_size_facet",
                   fmt::format("{} has no area (within the tolerance of {:.3g}) near {}", names_.facet(facet.input),
-                              complex_.tolerance, text(place)),
+                              complex_.tolerance, place_text(place)),
                   "remove it, or correct its corners", place, complex_.input->facets[facet.input].line);
     }
     if (kept.empty() && faults_.empty())
@@ -154,7 +154,7 @@ class PlaneFinder {
     faults_.add("nonplanar_facet",
                 fmt::format("{} is not planar: point {} at {} is {:.3g} away from its plane, more than {:.3g}",
                             names_.facet(input), names_.number(complex_.point_input[worst]),
-                            text(complex_.points[worst]), height(worst), limits_.distance),
+                            place_text(complex_.points[worst]), height(worst), limits_.distance),
                 "move its points into one plane, split it into triangles, or raise the merge distance",
                 complex_.points[worst], complex_.input->facets[input].line);
   }
@@ -314,7 +314,7 @@ class PlaneFinder {
     if (plane.triangles.empty()) {
       const Vec<3>& place = complex_.points[facet.points.front()];
       faults_.add("self_intersection",
-                  fmt::format("polygons of {} meet each other near {}", names_.facet(facet.input), text(place)),
+                  fmt::format("polygons of {} meet each other near {}", names_.facet(facet.input), place_text(place)),
                   "let them meet in common points only", place, complex_.input->facets[facet.input].line);
     }
     for (const auto& triangle : plane.triangles) {
@@ -356,7 +356,7 @@ class PlaneFinder {
     complex_.warnings.push_back(fmt::format(
         "moved {} points onto the planes of their facets, at most by {:.3g}: point {} at {} (allowed: {:.3g})",
         merge.n_moved, merge.largest_displacement, names_.number(complex_.point_input[farthest]),
-        text(original_[farthest]), limits_.distance));
+        place_text(original_[farthest]), limits_.distance));
   }
 
   Complex<3>& complex_;

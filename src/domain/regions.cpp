@@ -17,11 +17,11 @@ std::optional<std::uint32_t> volume_of_seed(const Volumes<D>& volumes, const Vec
                                             FaultList<D>& faults) {
   const auto volume = volumes.locate(x);
   if (!volume) {
-    faults.add("seed_on_wall", fmt::format("{} at {} lies on a wall", name, text(x)), kMoveSeed, x);
+    faults.add("seed_on_wall", fmt::format("{} at {} lies on a wall", name, place_text(x)), kMoveSeed, x);
     return std::nullopt;
   }
   if (*volume == Volumes<D>::kOutside) {
-    faults.add("seed_outside", fmt::format("{} at {} lies outside of the domain", name, text(x)),
+    faults.add("seed_outside", fmt::format("{} at {} lies outside of the domain", name, place_text(x)),
                "move the seed into the domain, or remove it", x);
     return std::nullopt;
   }
@@ -51,17 +51,17 @@ std::vector<Wishes> collect_wishes(const Complex<D>& complex, const Volumes<D>& 
     if (!volume) continue;
     Wishes& wish = wishes[*volume];
     if (wish.hole_seed)
-      faults.add(
-          "seed_conflict",
-          fmt::format("region seed {} at {} and hole seed {} at {} lie in the same volume", names.number(i),
-                      text(seed.position), names.number(*wish.hole_seed), text(input.hole_seeds[*wish.hole_seed])),
-          "remove one of them, or separate them by a wall", seed.position);
+      faults.add("seed_conflict",
+                 fmt::format("region seed {} at {} and hole seed {} at {} lie in the same volume", names.number(i),
+                             place_text(seed.position), names.number(*wish.hole_seed),
+                             place_text(input.hole_seeds[*wish.hole_seed])),
+                 "remove one of them, or separate them by a wall", seed.position);
     if (wish.id && seed.id && *wish.id != *seed.id)
       faults.add(
           "seed_conflict",
           fmt::format(
               "region seeds {} and {} lie in the same volume, but give it the ids {} and {}; the second is at {}",
-              names.number(*wish.region_seed), names.number(i), *wish.id, *seed.id, text(seed.position)),
+              names.number(*wish.region_seed), names.number(i), *wish.id, *seed.id, place_text(seed.position)),
           "give both the same id, remove one, or separate them by a wall", seed.position);
     if (!wish.id) wish.id = seed.id;
     if (!wish.region_seed) wish.region_seed = i;
@@ -223,11 +223,11 @@ RegionId region_of(const Complex<D>&, const Volumes<D>& volumes, const RegionTab
   const auto volume = volumes.locate(x);
   const RegionId region = volume ? regions.at(*volume) : RegionId::none();
   if (!volume)
-    faults.add("self_intersection", fmt::format("{} touches a wall at {}", name, text(x)),
+    faults.add("self_intersection", fmt::format("{} touches a wall at {}", name, place_text(x)),
                "move it away from the wall, or onto it", x);
   else if (region.is_none())
     faults.add("outside",
-               fmt::format("{} at {} lies {}", name, text(x),
+               fmt::format("{} at {} lies {}", name, place_text(x),
                            *volume == Volumes<D>::kOutside ? "outside of every region" : "in a hole"),
                "remove it, or move it into a region", x);
   return region;

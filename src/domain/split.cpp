@@ -125,7 +125,7 @@ void find_crossings(const Complex<D>& complex, FaultList<D>& faults) {
       if (!reported.emplace(first, second).second) return;
       faults.add("self_intersection",
                  fmt::format("{} and {} cross at {}", complex.parent_name(first), complex.parent_name(second),
-                             text(nearest.on_first)),
+                             place_text(nearest.on_first)),
                  "add a point there and split both, or move one of them", nearest.on_first,
                  complex.parent_line(second));
     });

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "dual/patch_shares.h"
-#include "geom/circumcenter.h"
+#include "geom/kite_halves.h"
 #include "mesh/faces.h"
 
 namespace voropack {
@@ -37,22 +37,17 @@ void add_face_shares(const Mesh<2>& mesh, const FaceSide<2>& face, std::vector<S
   add_segment_shares(mesh, face.key, face.marker, face.region, face.weight, shares);
 }
 
-/// The kite of a corner consists of a right triangle for each of its two edges: corner, midpoint of the edge,
-/// circumcenter. Its area is |edge|^2 / 8 times the cotangent of the opposite angle, signed.
 void add_face_shares(const Mesh<3>& mesh, const FaceSide<3>& face, std::vector<Share<3>>& shares) {
-  const std::array<Vec<3>, 3> x = {mesh.points[face.key[0]], mesh.points[face.key[1]], mesh.points[face.key[2]]};
-  const double twice_area = norm(cross(x[1] - x[0], x[2] - x[0]));
-  const Vec<3> center = triangle_circumcenter(x[0], x[1], x[2]);
-  for (std::size_t a = 0; a < 3; ++a) {
-    Share<3> share{face.key[a], face.marker, face.region, 0, {}};
-    for (const std::size_t b : {(a + 1) % 3, (a + 2) % 3}) {
-      const std::size_t c = 3 - a - b;
-      const double area = face.weight * distance_sq(x[a], x[b]) / 8 * dot(x[a] - x[c], x[b] - x[c]) / twice_area;
-      share.area += area;
-      share.moment += (area / 3) * (1.5 * x[a] + 0.5 * x[b] + center);
-    }
-    shares.push_back(share);
+  std::array<Share<3>, 3> of_corner;
+  for (std::size_t a = 0; a < 3; ++a) of_corner[a] = {face.key[a], face.marker, face.region, 0, {}};
+  for (const KiteHalf& half :
+       kite_halves({mesh.points[face.key[0]], mesh.points[face.key[1]], mesh.points[face.key[2]]})) {
+    const double area = face.weight * half.area;
+    const auto& [corner, middle, center] = half.corners;
+    of_corner[half.corner].area += area;
+    of_corner[half.corner].moment += (area / 3) * (corner + middle + center);
   }
+  shares.insert(shares.end(), of_corner.begin(), of_corner.end());
 }
 
 template <int D>

@@ -103,11 +103,13 @@ LocalMatrix<D> local_stiffness(const Mesh<D>& mesh, const Coefficient<D>& conduc
   const auto p = corner_positions(mesh, s);
   const P1Gradients<D> g = p1_gradients<D>(p);
   if (!(g.determinant > 0))
-    throw_at("mesh.degenerate_simplex", fmt::format("simplex {} is flat or not positively oriented", s.value()),
+    throw_at("mesh.degenerate_simplex",
+             fmt::format("simplex {} (counted from 0) is flat or not positively oriented", s.value()),
              "orient all simplices positively and remove flat ones", {p[0].coord.begin(), p[0].coord.end()});
   const double kappa = mean_over(conductivity, mesh, s, p);
   if (!(kappa > 0) || !std::isfinite(kappa))
-    throw_at("solve.bad_conductivity", fmt::format("the conductivity is {} on simplex {}", kappa, s.value()),
+    throw_at("solve.bad_conductivity",
+             fmt::format("the conductivity is {} on simplex {} (counted from 0)", kappa, s.value()),
              "give a positive, finite conductivity", {p[0].coord.begin(), p[0].coord.end()});
   const double scale = kappa / (kFactorial<D> * g.determinant);
   LocalMatrix<D> local;

@@ -148,7 +148,7 @@ struct CgalDelaunay<K>::Impl {
 
   [[noreturn]] static void report_duplicate(Index id) {
     throw InputError(Fault{.id = "delaunay.duplicate_points",
-                           .message = "point " + std::to_string(id) + " lies exactly on another one",
+                           .message = "point " + std::to_string(id) + " (counted from 0) lies exactly on another one",
                            .fix = "remove one of the two"});
   }
 };

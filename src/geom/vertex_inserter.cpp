@@ -140,11 +140,11 @@ template <int K, class Territory>
 void VertexInserter<K, Territory>::throw_duplicate(std::uint32_t a, std::uint32_t b) const {
   const Vec<K>& p = a_.points[a];
   const auto [first, second] = std::minmax(a_.vertex[a], a_.vertex[b]);
-  throw InputError(
-      Fault{.id = "delaunay.duplicate_points",
-            .message = fmt::format("points {} and {} are identical: ({})", first, second, fmt::join(p.coord, ", ")),
-            .fix = "remove one of the two points",
-            .position = {p.coord.begin(), p.coord.end()}});
+  throw InputError(Fault{.id = "delaunay.duplicate_points",
+                         .message = fmt::format("points {} and {} (counted from 0) are identical: ({})", first, second,
+                                                fmt::join(p.coord, ", ")),
+                         .fix = "remove one of the two points",
+                         .position = {p.coord.begin(), p.coord.end()}});
 }
 
 /// in_conflict, for simplices that are not in the territory: rare, so kept out of the loop of find_cavity.

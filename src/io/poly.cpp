@@ -8,6 +8,8 @@ namespace voropack::io {
 
 namespace {
 
+enum class Kind { kPoly, kSmesh };
+
 std::optional<int> marker_or_none(int marker) { return marker != 0 ? std::optional(marker) : std::nullopt; }
 
 template <int D>
@@ -49,49 +51,24 @@ class ComplexReader {
   }
 
   /// .poly: `<polygons> [holes] [marker]`, then the polygons and holes of the facet, each on its own lines.
-  void read_facets() {
-    const Header header = read_header("facet", "header of the facets");
-    input_.facets.reserve(scanner_.capacity(header.n, 4));
-    for (std::uint64_t i = 0; i < header.n; ++i) {
-      scanner_.next_line("facet", i + first_);
-      typename DomainInput<D>::Facet facet;
-      facet.line = scanner_.line();
-      const std::uint64_t n_polygons = scanner_.count("number of polygons");
-      const std::uint64_t n_holes = scanner_.at_end_of_line() ? 0 : scanner_.count("number of holes");
-      if (header.has_markers && !scanner_.at_end_of_line())
-        facet.marker = marker_or_none(scanner_.small_integer("marker"));
-      scanner_.end_of_line();
-      if (n_polygons == 0)
-        scanner_.fail("io.bad_count", fmt::format("facet {} has no polygons", i + first_), "remove the facet");
-      facet.polygons.reserve(scanner_.capacity(n_polygons, 4));
-      for (std::uint64_t p = 0; p < n_polygons; ++p) {
-        scanner_.next_line("polygon of facet", i + first_);
-        facet.polygons.push_back(read_polygon());
-        scanner_.end_of_line();
-      }
-      facet.holes.reserve(scanner_.capacity(n_holes, 8));
-      for (std::uint64_t h = 0; h < n_holes; ++h) {
-        scanner_.next_line("hole of facet", i + first_);
-        scanner_.integer("number of the hole");
-        facet.holes.push_back(read_position<D>(scanner_));
-        scanner_.end_of_line();
-      }
-      input_.facets.push_back(std::move(facet));
-    }
-  }
-
   /// .smesh: one polygon for each facet, `<corners> <a> <b> ... [marker]`.
-  void read_simple_facets() {
+  void read_facets(Kind kind) {
     const Header header = read_header("facet", "header of the facets");
     input_.facets.reserve(scanner_.capacity(header.n, 4));
     for (std::uint64_t i = 0; i < header.n; ++i) {
-      scanner_.next_line("facet", i + first_);
-      typename DomainInput<D>::Facet facet;
+      const std::uint64_t number = i + first_;
+      scanner_.next_line("facet", number);
+      Facet facet;
       facet.line = scanner_.line();
-      facet.polygons.push_back(read_polygon());
+      FacetParts parts;
+      if (kind == Kind::kPoly)
+        parts = read_parts();
+      else
+        facet.polygons.push_back(read_polygon());
       if (header.has_markers && !scanner_.at_end_of_line())
         facet.marker = marker_or_none(scanner_.small_integer("marker"));
       scanner_.end_of_line();
+      if (kind == Kind::kPoly) read_polygons_and_holes(facet, number, parts);
       input_.facets.push_back(std::move(facet));
     }
   }
@@ -130,9 +107,13 @@ class ComplexReader {
   DomainInput<D> take() { return std::move(input_); }
 
  private:
+  using Facet = typename DomainInput<D>::Facet;
   struct Header {
     std::uint64_t n = 0;
     bool has_markers = false;
+  };
+  struct FacetParts {
+    std::uint64_t n_polygons = 0, n_holes = 0;
   };
 
   Header read_header(std::string_view kind, std::string_view name) {
@@ -142,6 +123,31 @@ class ComplexReader {
     if (!scanner_.at_end_of_line()) header.has_markers = read_marker_flag(scanner_);
     scanner_.end_of_line();
     return header;
+  }
+
+  FacetParts read_parts() {
+    FacetParts parts;
+    parts.n_polygons = scanner_.count("number of polygons");
+    if (!scanner_.at_end_of_line()) parts.n_holes = scanner_.count("number of holes");
+    return parts;
+  }
+
+  void read_polygons_and_holes(Facet& facet, std::uint64_t number, const FacetParts& parts) {
+    if (parts.n_polygons == 0)
+      scanner_.fail("io.bad_count", fmt::format("facet {} has no polygons", number), "remove the facet");
+    facet.polygons.reserve(scanner_.capacity(parts.n_polygons, 4));
+    for (std::uint64_t p = 0; p < parts.n_polygons; ++p) {
+      scanner_.next_line("polygon of facet", number);
+      facet.polygons.push_back(read_polygon());
+      scanner_.end_of_line();
+    }
+    facet.holes.reserve(scanner_.capacity(parts.n_holes, 8));
+    for (std::uint64_t h = 0; h < parts.n_holes; ++h) {
+      scanner_.next_line("hole of facet", number);
+      scanner_.integer("number of the hole");
+      facet.holes.push_back(read_position<D>(scanner_));
+      scanner_.end_of_line();
+    }
   }
 
   std::uint64_t read_optional_count(std::string_view element, std::string_view what) {
@@ -175,17 +181,13 @@ class ComplexReader {
   DomainInput<D> input_;
 };
 
-enum class Kind { kPoly, kSmesh };
-
 template <int D>
 DomainInput<D> read_complex(TextScanner& scanner, NodeList<D> nodes, Kind kind) {
   ComplexReader<D> reader(scanner, std::move(nodes));
   if constexpr (D == 2)
     reader.read_segments();
-  else if (kind == Kind::kPoly)
-    reader.read_facets();
   else
-    reader.read_simple_facets();
+    reader.read_facets(kind);
   reader.read_holes();
   reader.read_regions();
   return reader.take();

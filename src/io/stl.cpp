@@ -126,7 +126,8 @@ void parse_binary(const Source& source, std::uint32_t n, Observer& observer, Dom
       const Vec<3> point{values[3 + 3 * c], values[4 + 3 * c], values[5 + 3 * c]};
       if (!is_finite(point))
         fail(source.file, "io.not_finite",
-             fmt::format("triangle {} at byte {}: corner {} has a coordinate that is not finite", i, at, c),
+             fmt::format("triangle {} (counted from 0) at byte {}: corner {} has a coordinate that is not finite", i,
+                         at, c),
              "correct or remove the triangle");
       corners[c] = welder.index_of(point);
     }

@@ -48,7 +48,8 @@ class VtuReader {
     for (std::uint64_t p = 0; p < n_points_; ++p)
       if (coordinates[3 * p + 2] != 0)
         fail("io.not_planar",
-             fmt::format("the mesh has triangles only, but point {} has z = {}", p, coordinates[3 * p + 2]),
+             fmt::format("the mesh has triangles only, but point {} (counted from 0) has z = {}", p,
+                         coordinates[3 * p + 2]),
              "set z to 0 for a mesh of the plane, or give a mesh of tetrahedra");
     return read_mesh_of_dimension<2>(coordinates, faulty, observer);
   }
@@ -112,7 +113,8 @@ class VtuReader {
     const std::vector<double> coordinates = data_.read<double>(array, 3 * n_points_);
     for (std::size_t i = 0; i < coordinates.size(); ++i)
       if (!std::isfinite(coordinates[i]))
-        data_.fail(array, "io.not_finite", fmt::format("a coordinate of point {} is not finite", i / 3),
+        data_.fail(array, "io.not_finite",
+                   fmt::format("a coordinate of point {} (counted from 0) is not finite", i / 3),
                    "correct or remove the point");
     return coordinates;
   }
@@ -133,14 +135,15 @@ class VtuReader {
       const std::int64_t n_corners = corner_count(types_[c]);
       if (n_corners == 0)
         fail("io.unsupported",
-             fmt::format("cell {} has the VTK type {}; only triangles (5), tetrahedra (10), lines (3) and vertices (1) "
+             fmt::format("cell {} (counted from 0) has the VTK type {}; only triangles (5), tetrahedra (10), lines (3) "
+                         "and vertices (1) "
                          "are known",
                          c, types_[c]),
              "split the cells into simplices, for instance with ParaView's filter Tetrahedralize");
       if (offsets_[c] - previous != n_corners)
         data_.fail(offsets_array, "io.bad_count",
-                   fmt::format("cell {} of type {} has {} corners instead of {}", c, types_[c], offsets_[c] - previous,
-                               n_corners),
+                   fmt::format("cell {} (counted from 0) of type {} has {} corners instead of {}", c, types_[c],
+                               offsets_[c] - previous, n_corners),
                    "correct the offsets");
       previous = offsets_[c];
     }
@@ -156,7 +159,8 @@ class VtuReader {
   void check_vertices(const XmlElement& array, const std::vector<std::int64_t>& vertices) const {
     for (const std::int64_t v : vertices)
       if (v < 0 || static_cast<std::uint64_t>(v) >= n_points_)
-        data_.fail(array, "io.bad_index", fmt::format("point {} is not one of the {} points", v, n_points_),
+        data_.fail(array, "io.bad_index",
+                   fmt::format("point {} (counted from 0) is not one of the {} points", v, n_points_),
                    "correct the index");
   }
 

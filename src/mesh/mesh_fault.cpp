@@ -37,10 +37,11 @@ std::string find_size_fault(const Mesh<D>& mesh) {
         differs_if_present("vertex_carrier_dimension", mesh.vertex_carrier_dimension.size())})
     if (!fault.empty()) return fault;
   for (const VertexId v : ids(mesh.points))
-    if (!is_finite(mesh.points[v])) return fmt::format("vertex {} is not finite", v.value());
+    if (!is_finite(mesh.points[v])) return fmt::format("vertex {} (counted from 0) is not finite", v.value());
   for (const VertexId v : ids(mesh.vertex_carrier_dimension))
     if (mesh.vertex_carrier_dimension[v] > D)
-      return fmt::format("vertex {} has the carrier dimension {}", v.value(), mesh.vertex_carrier_dimension[v]);
+      return fmt::format("vertex {} (counted from 0) has the carrier dimension {}", v.value(),
+                         mesh.vertex_carrier_dimension[v]);
   return {};
 }
 
@@ -58,10 +59,12 @@ std::string find_simplex_fault(const Mesh<D>& mesh) {
     const auto& corners = mesh.simplex_vertices[s];
     for (const VertexId v : corners)
       if (v.value() >= mesh.points.size())
-        return fmt::format("simplex {} has the corner {} of {} vertices", s.value(), v.value(), mesh.points.size());
+        return fmt::format("simplex {} (counted from 0) has the corner {} of {} vertices", s.value(), v.value(),
+                           mesh.points.size());
     // A repeated corner makes it flat.
     if (simplex_orientation<D>(mesh, corners) <= 0)
-      return fmt::format("simplex {} {} is not positively oriented", s.value(), vertices_text(corners));
+      return fmt::format("simplex {} (counted from 0) with vertices {} is not positively oriented", s.value(),
+                         vertices_text(corners));
   }
   return {};
 }
@@ -79,7 +82,8 @@ std::string find_neighbor_fault(const Mesh<D>& mesh) {
   for (const SimplexId s : ids(mesh.simplex_neighbors))
     for (std::size_t i = 0; i <= D; ++i)
       if (mesh.simplex_neighbors[s][i] != rebuilt.simplex_neighbors[s][i])
-        return fmt::format("simplex_neighbors of simplex {} is wrong opposite to corner {}", s.value(), i);
+        return fmt::format("simplex_neighbors of simplex {} is wrong opposite to corner {} (both counted from 0)",
+                           s.value(), i);
   return {};
 }
 
@@ -89,10 +93,11 @@ std::string find_boundary_fault(const Mesh<D>& mesh) {
   for (const BoundaryId b : ids(mesh.boundary_vertices)) {
     for (const VertexId v : mesh.boundary_vertices[b])
       if (v.value() >= mesh.points.size())
-        return fmt::format("boundary simplex {} has the corner {} of {} vertices", b.value(), v.value(),
-                           mesh.points.size());
+        return fmt::format("boundary simplex {} (counted from 0) has the corner {} of {} vertices", b.value(),
+                           v.value(), mesh.points.size());
     if (listed.insert(mesh.boundary_vertices[b], b.value()) != listed.kAbsent)
-      return fmt::format("boundary simplex {} {} is listed twice", b.value(), vertices_text(mesh.boundary_vertices[b]));
+      return fmt::format("boundary simplex {} (counted from 0) with vertices {} is listed twice", b.value(),
+                         vertices_text(mesh.boundary_vertices[b]));
   }
   std::vector<bool> is_face(mesh.boundary_vertices.size(), false);
   for (const SimplexId s : ids(mesh.simplex_vertices)) {
@@ -105,17 +110,18 @@ std::string find_boundary_fault(const Mesh<D>& mesh) {
       }
       const SimplexId neighbor = mesh.simplex_neighbors[s][static_cast<std::size_t>(i)];
       if (neighbor.is_none())
-        return fmt::format("the hull face {} of simplex {} is not listed in boundary_vertices", vertices_text(face),
-                           s.value());
+        return fmt::format("the hull face {} of simplex {} (counted from 0) is not listed in boundary_vertices",
+                           vertices_text(face), s.value());
       if (mesh.simplex_region[neighbor] != mesh.simplex_region[s])
-        return fmt::format("the interface {} of simplices {} and {} is not listed in boundary_vertices",
-                           vertices_text(face), s.value(), neighbor.value());
+        return fmt::format(
+            "the interface {} of simplices {} and {} (counted from 0) is not listed in boundary_vertices",
+            vertices_text(face), s.value(), neighbor.value());
     }
   }
   for (const BoundaryId b : ids(mesh.boundary_vertices))
     if (!is_face[b.value()])
-      return fmt::format("boundary simplex {} {} is not a face of any simplex", b.value(),
-                         vertices_text(mesh.boundary_vertices[b]));
+      return fmt::format("boundary simplex {} (counted from 0) with vertices {} is not a face of any simplex",
+                         b.value(), vertices_text(mesh.boundary_vertices[b]));
   return {};
 }
 
@@ -125,7 +131,8 @@ std::string find_segment_fault(const Mesh<D>& mesh) {
   VertexSetTable<2> listed(mesh.segment_edges.size());
   for (const EdgeId e : ids(mesh.segment_edges))
     if (listed.insert(mesh.segment_edges[e], e.value()) != listed.kAbsent)
-      return fmt::format("segment edge {} {} is listed twice", e.value(), vertices_text(mesh.segment_edges[e]));
+      return fmt::format("segment edge {} (counted from 0) with vertices {} is listed twice", e.value(),
+                         vertices_text(mesh.segment_edges[e]));
   std::vector<bool> is_edge(mesh.segment_edges.size(), false);
   for (const auto& corners : mesh.simplex_vertices)
     for (std::size_t i = 0; i <= D; ++i)
@@ -135,7 +142,7 @@ std::string find_segment_fault(const Mesh<D>& mesh) {
       }
   for (const EdgeId e : ids(mesh.segment_edges))
     if (!is_edge[e.value()])
-      return fmt::format("segment edge {} {} is not an edge of any simplex", e.value(),
+      return fmt::format("segment edge {} (counted from 0) with vertices {} is not an edge of any simplex", e.value(),
                          vertices_text(mesh.segment_edges[e]));
   return {};
 }

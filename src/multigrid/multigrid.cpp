@@ -57,7 +57,8 @@ void check_levels(const LinearSystem& system, std::span<const MultigridLevel> le
     if (level.matrix != nullptr && !fits(*level.matrix, n, n))
       fail(k + 1, fmt::format("the matrix is not one of {} vertices", n));
     for (const VertexId v : level.finest_vertex)
-      if (v.value() >= n_finest) fail(k + 1, fmt::format("the finest level has no vertex {}", v.value()));
+      if (v.value() >= n_finest)
+        fail(k + 1, fmt::format("the finest level has no vertex {} (counted from 0)", v.value()));
     n_finer = n;
   }
 }

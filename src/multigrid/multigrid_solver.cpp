@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/iteration_limits.h"
 #include "solve/vectors.h"
 #include "voropack/error.h"
 #include "voropack/multigrid.h"
@@ -14,15 +15,6 @@
 namespace voropack {
 
 namespace {
-
-void check_options(const MultigridSolveOptions& options) {
-  const auto fail = [](std::string message, std::string fix) {
-    throw OptionError(Fault{.id = "multigrid.bad_option", .message = std::move(message), .fix = std::move(fix)});
-  };
-  if (!(options.tolerance > 0 && options.tolerance < 1))
-    fail(fmt::format("the tolerance of multigrid is {}", options.tolerance), "choose it between 0 and 1");
-  if (options.max_cycles < 1) fail(fmt::format("multigrid may make {} cycles", options.max_cycles), "allow at least 1");
-}
 
 /// What rounding leaves of the residual load - A x, in norm: a few units in the last place of the terms of each row.
 double rounding_of_residual(const LinearSystem& system, const std::vector<double>& values) {
@@ -50,7 +42,7 @@ double final_contraction(const std::vector<double>& residuals) {
 
 LinearSolution solve_by_multigrid(const LinearSystem& system, const Multigrid& multigrid,
                                   const MultigridSolveOptions& options, Observer& observer) {
-  check_options(options);
+  check_iteration_limits("multigrid.bad_option", "multigrid", options.tolerance, options.max_cycles, "cycles");
   observer.begin_stage("solve");
   LinearSolution solution{.values = system.fixed_value, .report = {}};
   LinearReport& report = solution.report;

@@ -331,9 +331,8 @@ class BoundaryPacker {
   void find_intruders(const NewSphere& is_new_sphere, const NewBall& is_new_ball) {
     BallSet<D> all(domain_.box.center()), fresh(domain_.box.center());
     std::vector<std::uint32_t> fresh_ball;
-    const double blur = absolute_tolerance(domain_.box, 0);
     for (std::size_t b = 0; b < result_.balls.size(); ++b) {
-      const Ball<D> grown = grown_by_blur(result_.balls[b], blur);
+      const Ball<D> grown = grown_by_blur(result_.balls[b], domain_.box);
       all.add(grown);
       if (!is_new_ball(b)) continue;
       fresh.add(grown);

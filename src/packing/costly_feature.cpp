@@ -10,7 +10,7 @@ namespace {
 
 template <int D>
 std::string name_of(PolytopeId p, const Domain<D>& domain) {
-  if (p.dimension == 0) return "the point " + place_text(domain.points[PointId(p.index)]);
+  if (p.dimension == 0) return "the point " + place_text(domain.points[PointId(p.index)], domain.box);
   if (p.dimension == 1) return fmt::format("a segment of marker {}", domain.segment_marker[SegmentId(p.index)]);
   return fmt::format("a facet of marker {}", domain.facet_marker[FacetId(p.index)]);
 }
@@ -28,7 +28,8 @@ std::string describe(const CostlyFeature<D>& feature, const Domain<D>& domain) {
     what = fmt::format("{} and {} meet at {:.4g} degrees", p, q, feature.angle_deg);
   else
     what = fmt::format("repairs at {}{}", p, feature.polytopes[0] == feature.polytopes[1] ? "" : " and " + q);
-  std::string text = fmt::format("{:.0f} vertices: {} near {}", feature.vertices, what, place_text(feature.place));
+  std::string text =
+      fmt::format("{:.0f} vertices: {} near {}", feature.vertices, what, place_text(feature.place, domain.box));
   if (feature.n_pairs > 1)
     text += fmt::format(", with {} more such pairs within {:.4g}", feature.n_pairs - 1, feature.radius);
   return text;

@@ -59,9 +59,8 @@ PackedFacet pack_facet(const Domain<3>& domain, const Incidence<3>& incidence, F
   for (const SphereId s : result.boundary)
     problem.fixed.push_back({frame.to_plane(packing.center[s]), packing.radius[s]});
 
-  const double blur = absolute_tolerance(domain.box, 0);
   const auto forbid = [&](const Vec<2>& center, double radius) {
-    problem.balls.push_back(grown_by_blur<2>({center, radius}, blur));
+    problem.balls.push_back(grown_by_blur(Ball<2>{center, radius}, domain.box));
   };
   Walls<2> walls;
   for (const SegmentId s : domain.facet_segments[facet]) {

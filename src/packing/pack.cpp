@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "base/place_text.h"
 #include "base/random.h"
 #include "packing/boundary.h"
 #include "packing/budget.h"
@@ -56,8 +57,7 @@ PackingProblem<D> interior_problem(const Domain<D>& domain, const Spacing<D>& sp
   PackingProblem<D> problem;
   problem.bounds = domain.box;
   for (const SphereId s : ids(packing.center)) problem.fixed.push_back({packing.center[s], packing.radius[s]});
-  const double blur = absolute_tolerance(domain.box, 0);
-  for (const Ball<D>& ball : boundary.balls) problem.balls.push_back(grown_by_blur(ball, blur));
+  for (const Ball<D>& ball : boundary.balls) problem.balls.push_back(grown_by_blur(ball, domain.box));
   problem.faces = protected_faces(domain, packing);
   problem.walls = &walls;
   problem.spacing = {[&spacing](const Vec<D>& x) { return spacing(x); },
@@ -179,8 +179,8 @@ class AdaptivePacker {
     throw InternalError(
         Fault{.id = "packing.not_conforming",
               .message = fmt::format("after {} rounds of shrinking f some protecting balls still hold a point, the "
-                                     "last one near ({})",
-                                     options_.max_repairs, fmt::join(caps_.back().center.coord, ", ")),
+                                     "last one near {}",
+                                     options_.max_repairs, place_text(caps_.back().center)),
               .fix = "report this with the input; a smaller --feature-factor may help meanwhile",
               .position = {caps_.back().center.coord.begin(), caps_.back().center.coord.end()}});
   }
@@ -239,10 +239,10 @@ class AdaptivePacker {
     const KeptCenters<D>& kept = protection_.kept;
     if (kept.empty()) return true;
     Packing<D>& packing = boundary.packing;
-    BallSet<D> balls(protection_.domain().box.center());
-    const double blur = absolute_tolerance(protection_.domain().box, 0);
-    for (const Ball<D>& b : boundary.balls) balls.add(grown_by_blur(b, blur));
-    SphereSet<D> spheres(protection_.domain().box.center(), f.lipschitz(), packing.radius[SphereId(0)]);
+    const Box<D>& box = protection_.domain().box;
+    BallSet<D> balls(box.center());
+    for (const Ball<D>& b : boundary.balls) balls.add(grown_by_blur(b, box));
+    SphereSet<D> spheres(box.center(), f.lipschitz(), packing.radius[SphereId(0)]);
     if (!kept.all_stay())
       for (const SphereId s : ids(packing.center)) spheres.add({packing.center[s], packing.radius[s]});
     std::vector<std::optional<Ball<D>>> holding(kept.inside().size());

@@ -1,7 +1,5 @@
 #include "solve/bicgstab.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -34,7 +32,8 @@ class Iteration {
     double product = 0;
     for (double norm_now = norm(residual_); norm_now > goal_.tolerance * goal_.unit;) {
       observer_.check_cancelled();
-      if (report_.n_iterations == goal_.max_iterations) throw_not_converged(norm_now / goal_.unit);
+      if (report_.n_iterations == goal_.max_iterations)
+        throw_not_converged("BiCGSTAB", preconditioner_, norm_now / goal_.unit, report_.n_iterations);
       product = renew_direction(product, norm_now);
       step(product, values);
       norm_now = norm(residual_);
@@ -85,14 +84,6 @@ class Iteration {
     });
   }
 
-  [[noreturn]] void throw_not_converged(double residual) const {
-    throw NumericalError(
-        Fault{.id = "solve.not_converged",
-              .message = fmt::format("BiCGSTAB with {} preconditioner reached a relative residual of {:.3g} in {} "
-                                     "iterations",
-                                     preconditioner_.name(), residual, report_.n_iterations),
-              .fix = "raise the number of iterations or the tolerance, or use the direct solver"});
-  }
   [[noreturn]] static void throw_broken_down() {
     throw NumericalError(Fault{.id = "solve.singular",
                                .message = "BiCGSTAB broke down: the matrix is singular or far from an M-matrix",
@@ -113,16 +104,7 @@ class Iteration {
 void bicgstab(const LinearSystem& system, const Preconditioner& preconditioner, const IterationGoal& goal,
               Observer& observer, std::vector<double>& values, LinearReport& report) {
   Iteration iteration(system, preconditioner, goal, observer, report);
-  double reached = iteration.start(values);
-  report.residuals = {reached / goal.unit};
-  report.residual = reached / goal.unit;
-  // Begins anew from the true residual where the recurrence has drifted away from it, as long as this gains something.
-  for (double before = 3 * reached; reached > goal.tolerance * goal.unit && reached <= 0.5 * before;) {
-    iteration.run(values);
-    before = reached;
-    reached = iteration.start(values);
-    report.residual = reached / goal.unit;
-  }
+  iterate_to(goal, iteration, values, report);
 }
 
 }  // namespace voropack

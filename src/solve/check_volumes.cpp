@@ -45,8 +45,9 @@ void check_cells(const ControlVolumes<D>& volumes) {
     return step == 1 || (step == 0 && volumes.cell_region[before] < volumes.cell_region[c]);
   });
   if (bad != n)
-    fail(
-        fmt::format("cell {} is not sorted by vertex and region, leaves out a vertex, or has no positive volume", bad));
+    fail(fmt::format(
+        "cell {} (counted from 0) is not sorted by vertex and region, leaves out a vertex, or has no positive volume",
+        bad));
   if (n == 0 || volumes.cell_vertex.back().value() + 1 != volumes.sites.size()) fail("the last vertex has no cell");
 }
 
@@ -69,7 +70,8 @@ void check_faces(const ControlVolumes<D>& volumes, const CellIndex& index) {
   });
   if (bad != n)
     fail(
-        fmt::format("dual face {} is not sorted by its vertices, has no finite area or positive edge length, or lies "
+        fmt::format("dual face {} (counted from 0) is not sorted by its vertices, has no finite area or positive edge "
+                    "length, or lies "
                     "in a region where its vertices have no cells",
                     bad));
 }
@@ -90,7 +92,8 @@ void check_patches(const ControlVolumes<D>& volumes, const BoundaryAreas<D>& bou
   });
   if (bad != n)
     fail(
-        fmt::format("boundary patch {} is not sorted by vertex, marker and region, is not finite, or lies in a region "
+        fmt::format("boundary patch {} (counted from 0) is not sorted by vertex, marker and region, is not finite, or "
+                    "lies in a region "
                     "where its vertex "
                     "has no cell",
                     bad));

@@ -209,7 +209,8 @@ IdVector<CellId, double> checked_integrals(const IdVector<CellId, double>& given
                "give one integral for each cell");
   for (const CellId c : ids(given))
     if (!std::isfinite(given[c]))
-      fail_input("solve.bad_source", fmt::format("the integral of the source over cell {} is {}", c.value(), given[c]),
+      fail_input("solve.bad_source",
+                 fmt::format("the integral of the source over cell {} (counted from 0) is {}", c.value(), given[c]),
                  "make it finite");
   return given;
 }

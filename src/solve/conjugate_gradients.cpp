@@ -1,8 +1,5 @@
 #include "solve/conjugate_gradients.h"
 
-#include <fmt/format.h>
-
-#include <cmath>
 #include <cstddef>
 
 #include "base/parallel.h"
@@ -15,9 +12,11 @@ namespace {
 /// The vectors of the iteration and what stays the same in it.
 class Iteration {
  public:
-  Iteration(const LinearSystem& system, const Preconditioner& preconditioner, Observer& observer, LinearReport& report)
+  Iteration(const LinearSystem& system, const Preconditioner& preconditioner, const IterationGoal& goal,
+            Observer& observer, LinearReport& report)
       : system_(system),
         preconditioner_(preconditioner),
+        goal_(goal),
         observer_(observer),
         report_(report),
         residual_(system.matrix.size()),
@@ -31,12 +30,13 @@ class Iteration {
     return norm(residual_);
   }
 
-  /// Iterates from the residual of `start` until the one that the recurrence knows is at most `goal`.
-  void run(double goal, double unit, int max_iterations, std::vector<double>& values) {
+  /// Iterates from the residual of `start` until the one that the recurrence knows is small enough.
+  void run(std::vector<double>& values) {
     double norm_now = norm(residual_), previous = 0;
-    for (bool is_first = true; norm_now > goal; is_first = false) {
+    for (bool is_first = true; norm_now > goal_.tolerance * goal_.unit; is_first = false) {
       observer_.check_cancelled();
-      if (report_.n_iterations == max_iterations) throw_not_converged(norm_now / unit);
+      if (report_.n_iterations == goal_.max_iterations)
+        throw_not_converged("conjugate gradients", preconditioner_, norm_now / goal_.unit, report_.n_iterations);
       preconditioner_.apply(residual_, correction_);
       const double product = dot(residual_, correction_);
       const double beta = is_first ? 0 : product / previous;
@@ -52,20 +52,12 @@ class Iteration {
       });
       previous = product;
       norm_now = norm(residual_);
-      report_.residuals.push_back(norm_now / unit);
+      report_.residuals.push_back(norm_now / goal_.unit);
       ++report_.n_iterations;
     }
   }
 
  private:
-  [[noreturn]] void throw_not_converged(double residual) const {
-    throw NumericalError(Fault{
-        .id = "solve.not_converged",
-        .message = fmt::format("conjugate gradients with {} preconditioner reached a relative residual of {:.3g} in {} "
-                               "iterations",
-                               preconditioner_.name(), residual, report_.n_iterations),
-        .fix = "raise the number of iterations or the tolerance, or use the direct solver"});
-  }
   [[noreturn]] static void throw_singular() {
     throw NumericalError(Fault{.id = "solve.singular",
                                .message = "the matrix is not positive definite",
@@ -74,6 +66,7 @@ class Iteration {
 
   const LinearSystem& system_;
   const Preconditioner& preconditioner_;
+  const IterationGoal& goal_;
   Observer& observer_;
   LinearReport& report_;
   // All are 0 at fixed vertices but for image_, so that products with it see free vertices only.
@@ -84,18 +77,8 @@ class Iteration {
 
 void conjugate_gradients(const LinearSystem& system, const Preconditioner& preconditioner, const IterationGoal& goal,
                          Observer& observer, std::vector<double>& values, LinearReport& report) {
-  Iteration iteration(system, preconditioner, observer, report);
-  double reached = iteration.start(values);
-  report.residuals = {reached / goal.unit};
-  report.residual = reached / goal.unit;
-  // The residual of the recurrence drifts away from the true one by rounding. Where that matters, the iteration begins
-  // anew from the true one, as long as this gains something.
-  for (double before = 2 * reached; reached > goal.tolerance * goal.unit && reached <= 0.5 * before;) {
-    iteration.run(goal.tolerance * goal.unit, goal.unit, goal.max_iterations, values);
-    before = reached;
-    reached = iteration.start(values);
-    report.residual = reached / goal.unit;
-  }
+  Iteration iteration(system, preconditioner, goal, observer, report);
+  iterate_to(goal, iteration, values, report);
 }
 
 }  // namespace voropack

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/iteration_limits.h"
 #include "solve/bicgstab.h"
 #include "solve/conjugate_gradients.h"
 #include "solve/incomplete_lu.h"
@@ -18,13 +19,8 @@ namespace voropack {
 namespace {
 
 void check_options(const LinearOptions& options) {
-  const auto fail = [](std::string message, std::string fix) {
-    throw OptionError(Fault{.id = "solve.bad_option", .message = std::move(message), .fix = std::move(fix)});
-  };
-  if (!(options.tolerance > 0 && options.tolerance < 1))
-    fail(fmt::format("the tolerance of the linear solver is {}", options.tolerance), "choose it between 0 and 1");
-  if (options.max_iterations < 1)
-    fail(fmt::format("the linear solver may make {} iterations", options.max_iterations), "allow at least 1");
+  check_iteration_limits("solve.bad_option", "the linear solver", options.tolerance, options.max_iterations,
+                         "iterations");
 }
 
 std::shared_ptr<const Preconditioner> make_preconditioner(const LinearSystem& system, const LinearOptions& options) {

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/iteration_limits.h"
 #include "base/parallel.h"
 #include "base/place_text.h"
 #include "solve/faults.h"
@@ -23,16 +24,12 @@ namespace voropack {
 namespace {
 
 void check_options(const NewtonOptions& options) {
-  const auto fail = [](std::string message, std::string fix) {
-    throw OptionError(Fault{.id = "solve.bad_option", .message = std::move(message), .fix = std::move(fix)});
-  };
-  if (!(options.tolerance > 0 && options.tolerance < 1))
-    fail(fmt::format("the tolerance of Newton's method is {}", options.tolerance), "choose it between 0 and 1");
-  if (options.max_steps < 1)
-    fail(fmt::format("Newton's method may make {} steps", options.max_steps), "allow at least 1");
+  check_iteration_limits("solve.bad_option", "Newton's method", options.tolerance, options.max_steps, "steps");
   if (!(options.smallest_damping > 0 && options.smallest_damping <= 1))
-    fail(fmt::format("the smallest damping of Newton's method is {}", options.smallest_damping),
-         "choose it above 0 and at most 1");
+    throw OptionError(
+        Fault{.id = "solve.bad_option",
+              .message = fmt::format("the smallest damping of Newton's method is {}", options.smallest_damping),
+              .fix = "choose it above 0 and at most 1"});
 }
 
 /// The equations at one state. Norms are over free vertices.
@@ -215,7 +212,7 @@ class Newton {
     throw NumericalError(
         Fault{.id = "solve.not_converged",
               .message = fmt::format("Newton's method reached a residual of {:.3g} of what flows in {} steps{}; it is "
-                                     "largest at vertex {} near {}, where u = {:.6g}",
+                                     "largest at vertex {} (counted from 0) near {}, where u = {:.6g}",
                                      state.relative(), report_.steps.size(), how, worst, place_text(x),
                                      state.values[VertexId(worst)]),
               .fix = "begin with better initial values, allow more steps, or follow the problem in time",

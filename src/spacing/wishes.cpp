@@ -100,7 +100,8 @@ void add_field(const typename SizeWishes<D>::Field& field, double edge_per_spaci
     fail("spacing.bad_size",
          fmt::format("the size field has {} sizes for {} points", field.size.size(), mesh.points.size()),
          "give one size for each point of the mesh");
-  for (VertexId v : ids(mesh.points)) check_size(field.size[v.value()], fmt::format("the size at point {}", v.value()));
+  for (VertexId v : ids(mesh.points))
+    check_size(field.size[v.value()], fmt::format("the size at point {} (counted from 0)", v.value()));
   std::vector<double> spacing = field.size;
   for (double& value : spacing) value /= edge_per_spacing;
   const auto simplex = [&](const std::array<VertexId, D + 1>& vertices) {

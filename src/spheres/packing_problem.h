@@ -2,6 +2,7 @@
 // boundary already.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "geom/circumcenter.h"
+#include "geom/tolerance.h"
 #include "geom/wall_locator.h"
 #include "spheres/sphere_set.h"
 #include "voropack/observer.h"
@@ -92,9 +94,10 @@ BallSet<D> protecting_balls(const Domain<D>& domain, const Packing<D>& packing) 
 }
 
 /// The ball so much larger that a center outside of it and of its margin is outside of the ball itself, too, once the
-/// coordinates of both are rounded by `blur`. The same ball unless it is tiny or far from the origin.
-template <int K>
-Ball<K> grown_by_blur(const Ball<K>& ball, double blur) {
+/// coordinates of both are rounded as they are in `box`. The same ball unless it is tiny or far from the origin.
+template <int K, int D>
+Ball<K> grown_by_blur(const Ball<K>& ball, const Box<D>& box) {
+  const double blur = absolute_tolerance(box, 0);
   return {ball.center, ball.radius + std::max(0.0, 2 * blur - 0.5 * kBallMargin * ball.radius)};
 }
 

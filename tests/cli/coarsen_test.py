@@ -97,6 +97,13 @@ class Coarsen(CommandLineTest):
                                                                            "prolongation-3."))})
         self.assertNotIn("removed", self.succeed("coarsen", "fine.node", "--levels", "1", "-o", "out").stdout)
 
+    def test_no_folder_is_named_where_nothing_is_written(self):
+        self.succeed("mesh", "two.poly", "-o", "coarse.node", "--quiet")
+        result = self.succeed("coarsen", "coarse.node", "--levels", "2", "-o", "none")
+        self.assertIn("0 of 2 levels", result.stdout)
+        self.assertNotIn("levels: none", result.stdout)
+        self.assertFalse((self.folder / "none").exists())
+
     def test_unknown_choices_are_told_the_known_ones(self):
         for option, words in (("--order", "must be one of curve, front, random, not 'foo'"),
                               ("--initial", "must be one of mean-edge, nearest, not 'foo'")):

@@ -55,7 +55,7 @@ FOLDERS = {
                                            "coarsening/prolongation.h"]),
     "norms": (BASICS + ["mesh", "dual", "norms"], ["base", "geom", "mesh"]),
     # The error's equation is assembled as the solution's is.
-    "adaptivity": (up_to("adaptivity"), ["base", "mesh", "norms/dual_face_parts.h", "solve/assemble.h", "solve/cell_index.h",
+    "adaptivity": (up_to("adaptivity"), ["base", "geom", "mesh", "norms/dual_face_parts.h", "solve/assemble.h", "solve/cell_index.h",
                                          "solve/coefficients.h", "solve/floating_parts.h"]),
 }
 

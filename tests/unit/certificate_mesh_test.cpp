@@ -271,6 +271,10 @@ TYPED_TEST(CertificateOf, RejectsASwappedRegion) {
     read.mesh.boundary_marker.push_back(0);
   }
   expect_rejected(judge(read, false), "conformity", {"marker 0", "belongs to no facet", "from its region"});
+  // In a region of its own it has not strayed.
+  read.mesh.simplex_region[s] = 3;
+  const Certificate alone = judge(read, false);
+  EXPECT_TRUE(test::check_named(alone, "conformity").ok) << test::summary(alone);
   expect_rejected(judge(c), "volume_sum", {"region "});
   // All of them: only the domain tells.
   for (int& region : c.mesh.simplex_region) region = 3 - region;
