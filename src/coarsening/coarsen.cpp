@@ -121,17 +121,15 @@ class Coarsener {
 
   /// growth^i f_0, made Lipschitz, for i = 1 .. levels.
   [[nodiscard]] std::vector<Field> grown_spacings() const {
+    observer_.check_cancelled();
+    if (!options_.quasi_uniform)
+      return grown_lipschitz(fine().edges, options_.lipschitz, fine().initial, options_.growth,
+                             static_cast<std::size_t>(options_.levels));
     std::vector<Field> fields;
-    Field f = options_.quasi_uniform ? fine().floor : fine().initial;
+    Field f = fine().floor;
     const double least = *std::min_element(fine().floor.begin(), fine().floor.end());
     for (int i = 1; i <= options_.levels; ++i) {
-      observer_.check_cancelled();
-      if (options_.quasi_uniform) {
-        for (double& value : f) value = std::max(value, std::pow(options_.growth, i) * least);
-      } else {
-        for (double& value : f) value *= options_.growth;
-        make_lipschitz(fine().edges, options_.lipschitz, f);
-      }
+      for (double& value : f) value = std::max(value, std::pow(options_.growth, i) * least);
       fields.push_back(f);
     }
     return fields;
@@ -416,6 +414,7 @@ template <int D>
 CoarseningHierarchy<D> coarsen(const Mesh<D>& mesh, std::vector<LevelBoundary<D>> boundaries,
                                const CoarseningOptions& options, Observer& observer) {
   check_input(mesh, boundaries, options);
+
   return Coarsener<D>(mesh, domain_of(mesh, observer), std::move(boundaries), options, observer).run();
 }
 

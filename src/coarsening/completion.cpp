@@ -26,6 +26,17 @@ constexpr double kShrink = 0.7;
 /// What rounding may make of a length.
 constexpr double kSlack = 1e-9;
 
+/// Squared distance between boxes, 0 if they overlap.
+template <int D>
+double distance_sq(const Box<D>& a, const Box<D>& b) {
+  double sum = 0;
+  for (int k = 0; k < D; ++k) {
+    const double gap = std::max({a.lo[k] - b.hi[k], 0.0, b.lo[k] - a.hi[k]});
+    sum += gap * gap;
+  }
+  return sum;
+}
+
 template <int D>
 class Completer {
  public:
@@ -67,10 +78,21 @@ class Completer {
   };
 
   void find_adjacent() {
-    adjacent_ = adjacent_values<SphereId>(
-        packing_.center.size(), kernel_.n_slots(),
-        [&](std::size_t slot) { return kernel_.corners(static_cast<std::uint32_t>(slot)); },
-        [&](std::size_t slot) { return kernel_.is_finite(static_cast<std::uint32_t>(slot)); }, along_curve_);
+    const auto corners = [&](std::size_t slot) { return kernel_.corners(static_cast<std::uint32_t>(slot)); };
+    const auto is_finite = [&](std::size_t slot) { return kernel_.is_finite(static_cast<std::uint32_t>(slot)); };
+    const std::size_t n = packing_.center.size();
+    if constexpr (D == 2)
+      adjacent_ = adjacent_in_plane<SphereId>(
+          n, kernel_.n_slots(), corners,
+          [&](std::size_t slot) { return kernel_.neighbors(static_cast<std::uint32_t>(slot)); }, is_finite);
+    else
+      adjacent_ = adjacent_values<SphereId>(n, kernel_.n_slots(), corners, is_finite, along_curve_);
+    gap_.resize(adjacent_.values.size());
+    parallel_for(n, [&](std::size_t i) {
+      const SphereId s(along_curve_[i]);
+      std::uint64_t k = adjacent_.offsets[s.value()];
+      for (const SphereId t : adjacent_[s]) gap_[k++] = distance(packing_.center[s], packing_.center[t]);
+    });
   }
 
   void build_tree() {
@@ -89,59 +111,109 @@ class Completer {
   void make_radii_lipschitz() {
     const std::vector<double>& before = packing_.radius.raw();
     tree_.set_values(before);
-    std::vector<double> after(before.size());
-    parallel_for(after.size(), [&](std::size_t i) {
-      const SphereId s(i);
-      const Vec<D>& x = packing_.center[s];
-      // A sphere inside overlaps none. Only those with a radius below (1 - b) / (1 + b) of its own can be too small.
-      const bool may_overlap = packing_.carrier[s].dimension < D;
-      const double below = may_overlap ? before[i] : (1 - lipschitz_) / (1 + lipschitz_) * (1 + kSlack) * before[i];
-      double least = before[i];
-      tree_.for_each_below(
-          [&](const auto& node) {
-            return node.value < below && node.value + lipschitz_ * std::sqrt(node.box.distance_sq(x)) < least;
-          },
-          [&](std::uint32_t t) {
-            least = std::min(least, before[t] + lipschitz_ * distance(x, packing_.center[SphereId(t)]));
-          });
-      after[i] = least;
-    });
+    std::vector<double> after = before;
+    // A sphere inside overlaps none. Only those with a radius below (1 - b) / (1 + b) of its own can be too small.
+    const auto only_below = [&](std::uint32_t s) {
+      const bool may_overlap = packing_.carrier[SphereId(s)].dimension < D;
+      return may_overlap ? before[s] : (1 - lipschitz_) / (1 + lipschitz_) * (1 + kSlack) * before[s];
+    };
+    // Mostly there is none for a row of spheres along the curve.
+    constexpr std::size_t kRow = 32;
+    parallel_for((after.size() + kRow - 1) / kRow,
+                 [&](std::size_t number) {
+                   const std::span row =
+                       std::span(along_curve_).subspan(number * kRow, std::min(kRow, after.size() - number * kRow));
+                   Box<D> box;
+                   double below = 0, largest = 0;
+                   for (const std::uint32_t s : row) {
+                     box.add(packing_.center[SphereId(s)]);
+                     below = std::max(below, only_below(s));
+                     largest = std::max(largest, before[s]);
+                   }
+                   bool is_near = false;
+                   tree_.for_each_below(
+                       [&](const auto& node) {
+                         return !is_near && node.value < below &&
+                                node.value + lipschitz_ * (1 - kSlack) * std::sqrt(distance_sq(node.box, box)) <
+                                    largest;
+                       },
+                       [&](std::uint32_t) { is_near = true; });
+                   if (!is_near) return;
+                   for (const std::uint32_t s : row) after[s] = lipschitz_radius(SphereId(s), only_below(s));
+                 },
+                 16);
     packing_.radius.raw() = std::move(after);
+  }
+
+  /// What spheres with radii below `below` leave of that of s.
+  [[nodiscard]] double lipschitz_radius(SphereId s, double below) const {
+    const Vec<D>& x = packing_.center[s];
+    double least = packing_.radius[s];
+    tree_.for_each_below(
+        [&](const auto& node) {
+          return node.value < below && node.value + lipschitz_ * std::sqrt(node.box.distance_sq(x)) < least;
+        },
+        [&](std::uint32_t t) {
+          const SphereId other(t);
+          least = std::min(least, packing_.radius[other] + lipschitz_ * distance(x, packing_.center[other]));
+        });
+    return least;
   }
 
   /// Vertices are where the finest mesh has some, so that there is often more room than f asks for: the radii take it,
   /// one after the other, as far as they stay Lipschitz.
   void raise_radii() {
     constexpr int kPasses = 2;
-    const std::vector<double> most = radii_at_most();
-    const Csr<SphereId, SphereId> beyond = spheres_in_the_way(most);
-    for (int pass = 0; pass < kPasses; ++pass)
+    const std::vector<Room> rooms = find_rooms();
+    const std::vector<std::array<SphereId, 2>> beyond = spheres_in_the_way(rooms);
+    for (int pass = 0; pass < kPasses; ++pass) {
+      auto next = beyond.begin();
       for (const SphereId s : ids(packing_.radius)) {
-        if (most[s.value()] <= packing_.radius[s]) continue;
-        double room = most[s.value()];
-        for (const SphereId t : adjacent_[s]) room = std::min(room, room_beside(s, t));
-        for (const SphereId t : beyond[s]) room = std::min(room, room_beside(s, t));
+        const auto first = next;
+        while (next != beyond.end() && (*next)[0] == s) ++next;
+        if (rooms[s.value()].most <= packing_.radius[s]) continue;
+        double room = rooms[s.value()].most;
+        for_each_adjacent(s, [&](SphereId t, double gap) { room = std::min(room, room_beside(s, t, gap)); });
+        for (auto it = first; it != next; ++it)
+          room = std::min(room, room_beside(s, (*it)[1], distance_between(s, (*it)[1])));
         packing_.radius[s] = std::max(packing_.radius[s], room);
       }
+    }
     make_radii_lipschitz();
   }
 
-  /// However much room slopes may come to allow, adjacent spheres do not overlap. What has sharp neighbors only stays
-  /// as it is.
-  [[nodiscard]] std::vector<double> radii_at_most() const {
-    std::vector<double> most(packing_.center.size());
-    parallel_for(most.size(), [&](std::size_t i) {
+  struct Room {
+    double most;        ///< However much slopes may come to allow, adjacent spheres do not overlap.
+    double nearest_sq;  ///< The nearest center, whatever it is a neighbor by.
+  };
+
+  /// What has sharp neighbors only stays as it is.
+  [[nodiscard]] std::vector<Room> find_rooms() const {
+    std::vector<Room> rooms(packing_.center.size());
+    parallel_for(rooms.size(), [&](std::size_t i) {
       const SphereId s(along_curve_[i]);
-      double room = std::numeric_limits<double>::infinity();
-      for (const SphereId t : adjacent_[s])
-        if (!are_sharp(s, t))
-          room = std::min(room, distance(packing_.center[s], packing_.center[t]) - packing_.radius[t]);
-      most[s.value()] = std::isfinite(room) ? std::max(room, packing_.radius[s]) : packing_.radius[s];
+      double room = std::numeric_limits<double>::infinity(), nearest = room;
+      for_each_adjacent(s, [&](SphereId t, double gap) {
+        nearest = std::min(nearest, gap);
+        if (!are_sharp(s, t)) room = std::min(room, gap - packing_.radius[t]);
+      });
+      const double radius = packing_.radius[s];
+      rooms[s.value()] = {std::isfinite(room) ? std::max(room, radius) : radius, nearest * nearest};
     });
-    return most;
+    return rooms;
   }
 
-  /// For each sphere those that are not adjacent, but that it might get to overlap while radii rise up to `most`.
+  template <class Visit>
+  void for_each_adjacent(SphereId s, Visit&& visit) const {
+    for (std::uint64_t k = adjacent_.offsets[s.value()]; k < adjacent_.offsets[s.value() + 1]; ++k)
+      visit(adjacent_.values[k], gap_[k]);
+  }
+  [[nodiscard]] double distance_between(SphereId s, SphereId t) const {
+    return distance(packing_.center[s], packing_.center[t]);
+  }
+
+  /// Pairs of spheres, both ways and ascending, that are not adjacent, but might get to overlap while radii rise to the
+  /// most they can be.
   ///
   /// Those with no larger a radius lie in a ball about its center, twice as large. All vertices in there are found
   /// along edges that do not leave it: each has a neighbor that is nearer to the center. Mostly there is nothing to
@@ -149,11 +221,10 @@ class Completer {
   /// acute angle: |st|^2 >= |su|^2 + |ut|^2 >= g_s^2 + g_t^2, with the distances g from the nearest neighbors. So
   /// spheres with m_t <= m_s overlap only if 4 m_s^2 > g_s^2; and if no m exceeds g, which takes a sharp feature, only
   /// if (m_s + m_t)^2 > g_s^2 + m_t^2, hence 3 m_s^2 > g_s^2.
-  [[nodiscard]] Csr<SphereId, SphereId> spheres_in_the_way(const std::vector<double>& most) const {
-    const std::size_t n = most.size();
-    const std::vector<double> nearest_sq = nearest_neighbors_sq();
+  [[nodiscard]] std::vector<std::array<SphereId, 2>> spheres_in_the_way(const std::vector<Room>& rooms) const {
+    const std::size_t n = rooms.size();
     bool is_crowded = false;
-    for (std::size_t s = 0; s < n; ++s) is_crowded |= most[s] * most[s] > nearest_sq[s];
+    for (const Room& room : rooms) is_crowded |= room.most * room.most > room.nearest_sq;
     const double factor = (is_crowded ? 4 : 3) * (1 + kSlack);
     struct Search {
       std::vector<std::uint32_t> mark;
@@ -162,53 +233,39 @@ class Completer {
     tbb::enumerable_thread_specific<Search> searches([&] {
       return Search{std::vector<std::uint32_t>(n, kNoHint), {}};
     });
-    const Csr<SphereId, SphereId> smaller = build_rows<SphereId, SphereId>(
-        n,
-        [&](SphereId s, std::vector<SphereId>& row) {
-          if (factor * most[s.value()] * most[s.value()] <= nearest_sq[s.value()]) return;
-          auto& [mark, queue] = searches.local();
-          const double mine = most[s.value()], reach = 2 * mine * (1 + kSlack);
-          const auto distance_to = [&](SphereId t) { return distance(packing_.center[s], packing_.center[t]); };
-          queue.clear();
-          mark[s.value()] = s.value();
-          for (const SphereId t : adjacent_[s]) {
-            mark[t.value()] = s.value();
-            if (distance_to(t) < reach) queue.push_back(t);
-          }
-          for (std::size_t k = 0; k < queue.size(); ++k)
-            for (const SphereId t : adjacent_[queue[k]]) {
-              if (std::exchange(mark[t.value()], s.value()) == s.value()) continue;
-              const double gap = distance_to(t);
-              if (gap < reach) queue.push_back(t);
-              if (gap < mine + most[t.value()] && most[t.value()] <= mine) row.push_back(t);
-            }
+    using Pairs = std::vector<std::array<SphereId, 2>>;
+    const auto search = [&](SphereId s, Pairs& pairs) {
+      const double mine = rooms[s.value()].most, reach = 2 * mine * (1 + kSlack);
+      auto& [mark, queue] = searches.local();
+      queue.clear();
+      mark[s.value()] = s.value();
+      for_each_adjacent(s, [&](SphereId t, double gap) {
+        mark[t.value()] = s.value();
+        if (gap < reach) queue.push_back(t);
+      });
+      for (std::size_t k = 0; k < queue.size(); ++k)
+        for (const SphereId t : adjacent_[queue[k]]) {
+          if (std::exchange(mark[t.value()], s.value()) == s.value()) continue;
+          const double gap = distance_between(s, t), theirs = rooms[t.value()].most;
+          if (gap < reach) queue.push_back(t);
+          if (gap < mine + theirs && theirs <= mine) pairs.insert(pairs.end(), {{s, t}, {t, s}});
+        }
+    };
+    Pairs all = parallel_reduce_ordered(
+        n, 4096, Pairs{},
+        [&](std::size_t begin, std::size_t end) {
+          Pairs pairs;
+          for (std::size_t i = begin; i < end; ++i)
+            if (const Room& room = rooms[along_curve_[i]]; factor * room.most * room.most > room.nearest_sq)
+              search(SphereId(along_curve_[i]), pairs);
+          return pairs;
         },
-        along_curve_);
-    // They are in each other's way.
-    std::vector<std::array<SphereId, 2>> pairs;
-    for (const SphereId s : ids(packing_.radius))
-      for (const SphereId t : smaller[s]) {
-        pairs.push_back({s, t});
-        pairs.push_back({t, s});
-      }
-    std::sort(pairs.begin(), pairs.end());
-    Csr<SphereId, SphereId> result;
-    auto next = pairs.begin();
-    for (const SphereId s : ids(packing_.radius)) {
-      for (; next != pairs.end() && (*next)[0] == s; ++next) result.values.push_back((*next)[1]);
-      result.offsets.push_back(result.values.size());
-    }
-    return result;
-  }
-
-  [[nodiscard]] std::vector<double> nearest_neighbors_sq() const {
-    std::vector<double> nearest_sq(packing_.center.size(), std::numeric_limits<double>::infinity());
-    parallel_for(nearest_sq.size(), [&](std::size_t i) {
-      const SphereId s(along_curve_[i]);
-      for (const SphereId t : adjacent_[s])
-        nearest_sq[s.value()] = std::min(nearest_sq[s.value()], distance_sq(packing_.center[s], packing_.center[t]));
-    });
-    return nearest_sq;
+        [](Pairs some, const Pairs& more) {
+          some.insert(some.end(), more.begin(), more.end());
+          return some;
+        });
+    std::sort(all.begin(), all.end());
+    return all;
   }
 
   [[nodiscard]] bool are_sharp(SphereId s, SphereId t) const {
@@ -217,8 +274,7 @@ class Completer {
   }
 
   /// How large the radius at s may be for the sake of t.
-  [[nodiscard]] double room_beside(SphereId s, SphereId t) const {
-    const double gap = distance(packing_.center[s], packing_.center[t]);
+  [[nodiscard]] double room_beside(SphereId s, SphereId t, double gap) const {
     const double slope_allows = packing_.radius[t] + lipschitz_ * gap;
     if (are_sharp(s, t)) return slope_allows;
     return std::min(slope_allows, gap - packing_.radius[t]);
@@ -229,15 +285,15 @@ class Completer {
     slope_ = parallel_reduce_ordered(
         packing_.center.size(), 4096, 0.0,
         [&](std::size_t begin, std::size_t end) {
-          double steepest_sq = 0;
+          double steepest = 0;
           for (std::size_t i = begin; i < end; ++i) {
             const SphereId s(i);
-            for (const SphereId t : adjacent_[s]) {
+            for_each_adjacent(s, [&](SphereId t, double gap) {
               const double rise = packing_.radius[s] - packing_.radius[t];
-              steepest_sq = std::max(steepest_sq, rise * rise / distance_sq(packing_.center[s], packing_.center[t]));
-            }
+              if (rise > steepest * gap) steepest = rise / gap;
+            });
           }
-          return std::sqrt(steepest_sq);
+          return steepest;
         },
         [](double a, double b) { return std::max(a, b); });
   }
@@ -370,6 +426,7 @@ class Completer {
   DelaunayKernel<D> kernel_;
   std::vector<std::uint32_t> along_curve_;  ///< The spheres, each near to the one before.
   Csr<SphereId, SphereId> adjacent_;        ///< Along the edges of the triangulation.
+  std::vector<double> gap_;                 ///< The lengths of these edges.
   BoxTree<D> tree_;                         ///< Of the centers.
   RegionLabels<D> labels_;
   double slope_ = 0;                   ///< Largest measured one of the radii.

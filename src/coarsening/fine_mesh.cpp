@@ -95,13 +95,17 @@ void FineMesh<D>::sort_vertices(const CoarseningOptions& options) {
 
 template <int D>
 void FineMesh<D>::group_interior() {
-  groups.resize((interior.size() + kGroup - 1) / kGroup);
-  parallel_for(groups.size(), [&](std::size_t g) {
-    Box<D> box;
-    for (std::size_t i = g * kGroup; i < std::min(interior.size(), (g + 1) * kGroup); ++i)
-      box.add(mesh.points[interior[i]]);
-    groups[g] = {box.center(), 0.5 * box.diagonal()};
-  });
+  std::vector<VertexId> along_curve;
+  along_curve.reserve(interior.size());
+  std::vector<std::uint32_t> number(mesh.points.size());
+  for (const std::uint32_t v : curve)
+    if (is_interior(VertexId(v))) {
+      number[v] = static_cast<std::uint32_t>(along_curve.size());
+      along_curve.push_back(VertexId(v));
+    }
+  groups = VertexGroups<D>(std::move(along_curve), mesh.points);
+  number_in_groups.resize(interior.size());
+  parallel_for(interior.size(), [&](std::size_t i) { number_in_groups[i] = number[interior[i].value()]; });
 }
 
 template struct FineMesh<2>;

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "coarsening/vertex_groups.h"
 #include "mesh/edge_graph.h"
 #include "packing/incidence.h"
-#include "spheres/sphere_set.h"
 #include "voropack/coarsening.h"
 #include "voropack/mesh_domain.h"
 
@@ -28,10 +28,10 @@ struct FineMesh {
   std::vector<VertexId> point_vertices;   ///< By PointId.
   Csr<FacetId, VertexId> facet_vertices;  ///< 3D: inside each facet, in the order in which they are tried.
   std::vector<std::uint8_t> is_outside;
-  std::vector<std::uint32_t> curve;  ///< All vertices, along a Hilbert curve.
-  std::vector<VertexId> interior;    ///< In no polytope below D, in the order in which they are tried.
-  std::vector<Ball<D>> groups;       ///< Around so many of `interior` each, one after the other.
-  static constexpr std::size_t kGroup = 16;
+  std::vector<std::uint32_t> curve;             ///< All vertices, along a Hilbert curve.
+  std::vector<VertexId> interior;               ///< In no polytope below D, in the order in which they are tried.
+  VertexGroups<D> groups;                       ///< The same ones along the curve.
+  std::vector<std::uint32_t> number_in_groups;  ///< By place in `interior`: the number among groups.vertices.
 
   [[nodiscard]] bool is_interior(VertexId v) const {
     return place.carrier[v].dimension == D && (is_outside.empty() || is_outside[v.value()] == 0);

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/parallel.h"
+#include "coarsening/vertex_groups.h"
 #include "geom/circumcenter.h"
 #include "geom/kernel.h"
 #include "geom/wall_locator.h"
@@ -35,7 +36,6 @@ class LevelPacker {
         spheres_(domain_.box.center(), 0.5, f[fine.point_vertices.empty() ? VertexId(0) : fine.point_vertices[0]]),
         kept_spheres_(spheres_),
         balls_(domain_.box.center()) {
-    is_beside_.resize(f.size(), 0);
     for (const VertexId v : ids(f)) {
       if (is_kept[v.value()] == 0) continue;
       kept_.push_back(v);
@@ -48,8 +48,10 @@ class LevelPacker {
     add_segments();
     if constexpr (D == 3) add_facets();
     // A coarser level with another boundary may have vertices inside that are in this one's protecting balls.
+    std::vector<VertexId> kept;
     for (const VertexId v : fine_.interior)
-      if (is_kept_[v.value()] != 0) add(v);
+      if (is_kept_[v.value()] != 0) kept.push_back(v);
+    join_all(kept);
     find_intruders();
     if (result_.faults.empty()) add_interior();
     return std::move(result_);
@@ -58,17 +60,14 @@ class LevelPacker {
  private:
   [[nodiscard]] const Vec<D>& point(VertexId v) const { return fine_.mesh.points[v]; }
 
-  SphereId add(VertexId v) {
+  /// One on the boundary.
+  void add(VertexId v) {
     Packing<D>& packing = result_.packing;
     packing.center.push_back(point(v));
     packing.radius.push_back(f_[v]);
-    spheres_.add({point(v), f_[v]});
-    for (const VertexId w : fine_.edges.neighbors[v])
-      if (SphereSet<D>::overlap({point(v), f_[v]}, point(w), f_[w])) is_beside_[w.value()] = 1;
     result_.vertex.push_back(v);
-    const SphereId s = packing.carrier.push_back(fine_.place.carrier[v]);
-    if (fine_.place.carrier[v].dimension < D) sphere_of_[v] = s;
-    return s;
+    sphere_of_[v] = packing.carrier.push_back(fine_.place.carrier[v]);
+    spheres_.add({point(v), f_[v]});
   }
 
   /// True if no sphere overlaps that of v, but for those across a sharp feature: neither those that are there nor those
@@ -274,48 +273,38 @@ class LevelPacker {
     return tied != tied_with_ball_.end() && std::ranges::count(tied->second, s) > 0;
   }
 
-  /// One after the other; but all threads find out before which vertices of the next few cannot join any more. That
-  /// leaves those between which the order decides. Kept ones are there already.
+  /// One after the other. Who joins takes out all that it overlaps, so that whoever is left may join.
   void add_interior() {
-    constexpr std::size_t kFew = 4096, kRow = 256;
-    std::vector<std::uint8_t> may_join(kFew);
-    for (std::size_t begin = 0; begin < fine_.interior.size(); begin += kFew) {
-      observer_.check_cancelled();
-      const std::size_t end = std::min(begin + kFew, fine_.interior.size());
-      parallel_for((end - begin + kRow - 1) / kRow,
-                   [&](std::size_t row) {
-                     const std::size_t first = begin + row * kRow;
-                     find_candidates(first, std::min(first + kRow, end), &may_join[row * kRow]);
-                   },
-                   1);
-      std::uint32_t hint = 0;
-      for (std::size_t i = begin; i < end; ++i) {
-        const VertexId v = fine_.interior[i];
-        if (may_join[i - begin] != 0 && may_add(v, hint)) hint = add(v).value();
-      }
+    Vacancies<D> vacancies(fine_.groups, f_);
+    for (std::size_t b = 0; b < balls_.size(); ++b) vacancies.take_ball(balls_[b]);
+    const Packing<D>& packing = result_.packing;
+    for (const SphereId s : ids(packing.center)) vacancies.take_sphere({packing.center[s], packing.radius[s]});
+    std::vector<VertexId> joined;
+    for (std::size_t i = 0; i < fine_.interior.size(); ++i) {
+      if (i % 65536 == 0) observer_.check_cancelled();
+      const std::uint32_t number = fine_.number_in_groups[i];
+      if (!vacancies.contain(number)) continue;
+      vacancies.take_sphere(vacancies.sphere(number));
+      joined.push_back(fine_.interior[i]);
     }
+    join_all(joined);
   }
 
-  /// Which vertices of [begin, end) may join. On coarse levels one sphere is mostly in the way of a whole group. One
-  /// thread alone does not look at a vertex twice.
-  void find_candidates(std::size_t begin, std::size_t end, std::uint8_t* may_join) const {
-    constexpr std::size_t kGroup = FineMesh<D>::kGroup;
-    const bool is_alone = is_single_threaded();
-    std::uint32_t hint = 0;
-    for (std::size_t first = begin; first < end; first += kGroup) {
-      const std::size_t last = std::min(first + kGroup, end);
-      double least = std::numeric_limits<double>::infinity();
-      for (std::size_t i = first; i < last; ++i) least = std::min(least, f_[fine_.interior[i]]);
-      const Ball<D>& group = fine_.groups[first / kGroup];
-      // No sphere near is much larger than f here.
-      const bool is_excluded = group.radius < 2 * least && spheres_.conflicts_with_all(group, least, hint);
-      for (std::size_t i = first; i < last; ++i)
-        may_join[i - begin] = !is_excluded && (is_alone || may_add(fine_.interior[i], hint)) ? 1 : 0;
-    }
-  }
-
-  [[nodiscard]] bool may_add(VertexId v, std::uint32_t& hint) const {
-    return is_beside_[v.value()] == 0 && !spheres_.conflicts(point(v), f_[v], hint) && !balls_.forbids(point(v));
+  /// What is known of them lies anywhere in memory: threads, and each processor, look for many at a time.
+  void join_all(const std::vector<VertexId>& vertices) {
+    Packing<D>& packing = result_.packing;
+    const std::size_t n = result_.vertex.size();
+    result_.vertex.insert(result_.vertex.end(), vertices.begin(), vertices.end());
+    packing.center.resize(result_.vertex.size());
+    packing.radius.resize(result_.vertex.size());
+    packing.carrier.resize(result_.vertex.size());
+    parallel_for(vertices.size(), [&](std::size_t i) {
+      const VertexId v = vertices[i];
+      const SphereId s(n + i);
+      packing.center[s] = point(v);
+      packing.radius[s] = f_[v];
+      packing.carrier[s] = fine_.place.carrier[v];
+    });
   }
 
   const FineMesh<D>& fine_;
@@ -323,12 +312,11 @@ class LevelPacker {
   const IdVector<VertexId, double>& f_;
   const std::vector<std::uint8_t>& is_kept_;
   const Observer& observer_;
-  SphereSet<D> spheres_;
+  SphereSet<D> spheres_;  ///< On the boundary.
   std::vector<VertexId> kept_;
   SphereSet<D> kept_spheres_;
-  std::vector<std::uint8_t> is_beside_;     ///< By vertex of the finest mesh: overlaps a sphere across an edge of it.
-  BallSet<D> balls_;                        ///< Of the subsegments, then of the subfacets.
-  std::map<VertexId, SphereId> sphere_of_;  ///< On the boundary.
+  BallSet<D> balls_;                                             ///< Of the subsegments, then of the subfacets.
+  std::map<VertexId, SphereId> sphere_of_;                       ///< On the boundary.
   std::map<std::size_t, std::vector<SphereId>> tied_with_ball_;  ///< The corners of its tied polygon.
   PackedLevel<D> result_;
 };

@@ -23,12 +23,10 @@ class SpacingLimit {
         at_least_(fine.mesh.points.size(), 0.0),
         is_known_(at_least_.size(), 0) {
     constexpr double kSlack = 1e-9;  // For rounding.
-    constexpr std::size_t kGroup = FineMesh<D>::kGroup;
     parallel_for(fine.groups.size(), [&](std::size_t g) {
-      const auto& [center, radius] = fine.groups[g];
+      const auto& [center, radius] = fine.groups.balls[g];
       const double bound = (1 - kSlack) * spacing_(center) - spacing_.lipschitz() * radius;
-      for (std::size_t i = g * kGroup; i < std::min(fine.interior.size(), (g + 1) * kGroup); ++i)
-        at_least_[fine.interior[i]] = bound;
+      for (const VertexId v : fine.groups.members(g)) at_least_[v] = bound;
     });
   }
 

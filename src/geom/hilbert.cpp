@@ -117,10 +117,31 @@ void sort_by_digit(std::span<const Keyed> from, std::span<Keyed> to, unsigned sh
   for_blocks([&](std::size_t block, const Keyed& k, std::size_t digit) { to[next[block][digit]++] = k; });
 }
 
+/// What is almost in order already, as points are along another curve of the same kind: those beside a descent are
+/// sorted on their own, and merged with the others. False, and nothing is done, if they are many.
+bool merge_few(std::span<Keyed> keyed) {
+  const std::size_t most = keyed.size() / 16;
+  std::vector<Keyed> ascending, others;
+  ascending.reserve(keyed.size());
+  for (const Keyed& k : keyed) {
+    if (ascending.empty() || ascending.back() < k) {
+      ascending.push_back(k);
+      continue;
+    }
+    if (others.size() >= most) return false;
+    others.push_back(ascending.back());
+    others.push_back(k);
+    ascending.pop_back();
+  }
+  std::ranges::sort(others);
+  std::ranges::merge(ascending, others, keyed.begin());
+  return true;
+}
+
 /// Sorts by key, then index; indices ascend at first. `n_bits`: of the keys, those that are not all equal.
 void sort_keyed(std::span<Keyed> keyed, unsigned n_bits) {
   constexpr std::size_t kEnoughForRadix = 1U << 14U;
-  if (std::ranges::is_sorted(keyed)) return;
+  if (std::ranges::is_sorted(keyed) || merge_few(keyed)) return;
   if (keyed.size() < kEnoughForRadix || n_bits == 0) {
     std::ranges::sort(keyed);
     return;

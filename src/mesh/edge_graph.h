@@ -28,4 +28,10 @@ EdgeGraph build_edge_graph(const Mesh<D>& mesh);
 /// matter in which order values fall: the same bits for any number of threads.
 void make_lipschitz(const EdgeGraph& graph, double lipschitz, IdVector<VertexId, double>& f);
 
+/// The first is `growth` times f made Lipschitz, each other one `growth` times the one before made Lipschitz, to the
+/// bit; growth >= 1. Only vertices on which it is not clear from f that nothing changes are looked at again.
+std::vector<IdVector<VertexId, double>> grown_lipschitz(const EdgeGraph& graph, double lipschitz,
+                                                        const IdVector<VertexId, double>& f, double growth,
+                                                        std::size_t n_levels);
+
 }  // namespace voropack

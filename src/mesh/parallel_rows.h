@@ -55,6 +55,66 @@ Csr<I, T> build_rows(std::size_t n_rows, Fill&& fill, std::span<const std::uint3
   return rows;
 }
 
+/// Sorts distinct numbers. In a short row each one counts those below it, without branches.
+template <class V>
+void sort_row(std::span<V> row) {
+  constexpr std::size_t kLongest = 32, kStep = 4;
+  if (row.size() > kLongest) {
+    std::sort(row.begin(), row.end());
+    return;
+  }
+  std::array<std::int32_t, kLongest> keys;  // In the order of the unsigned numbers.
+  const std::size_t n_steps = (row.size() + kStep - 1) / kStep;
+  for (std::size_t i = 0; i < n_steps * kStep; ++i)
+    keys[i] = i < row.size() ? static_cast<std::int32_t>(row[i].value() ^ 0x80000000U) : 0x7fffffff;
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    std::array<std::int32_t, kStep> below{};
+    for (std::size_t step = 0; step < n_steps; ++step)
+      for (std::size_t k = 0; k < kStep; ++k) below[k] += keys[step * kStep + k] < keys[i] ? 1 : 0;
+    row[static_cast<std::size_t>(below[0] + below[1] + below[2] + below[3])] =
+        V(static_cast<std::uint32_t>(keys[i]) ^ 0x80000000U);
+  }
+}
+
+/// Row v lists, in ascending order, the values that share a triangle with v, of triangles that are neighbors where they
+/// have an edge in common. corners(t) is an array of values below `n_values`; neighbors(t) has the triangle across from
+/// each, or any number from `n_triangles` on; visited are those with exists(t). In parallel; O(n).
+template <class V, class Corners, class Neighbors, class Exists>
+Csr<V, V> adjacent_in_plane(std::size_t n_values, std::size_t n_triangles, Corners&& corners, Neighbors&& neighbors,
+                            Exists&& exists) {
+  // An atomic addition takes as long as dozens of other instructions.
+  const bool is_alone = is_single_threaded();
+  const auto count = [&](std::uint64_t& n) {
+    return is_alone ? n++ : std::atomic_ref(n).fetch_add(1, std::memory_order_relaxed);
+  };
+  // Each edge once: from the triangle before its neighbor, or without one.
+  const auto for_each_edge = [&](auto&& fn) {
+    parallel_for(n_triangles, [&](std::size_t t) {
+      if (!exists(t)) return;
+      const auto values = corners(t);
+      const auto beyond = neighbors(t);
+      for (std::size_t i = 0; i < 3; ++i)
+        if (std::size_t{beyond[i]} > t || !exists(beyond[i])) fn(V(values[(i + 1) % 3]), V(values[(i + 2) % 3]));
+    });
+  };
+  // Where row v begins stands at v + 1 until the row is filled, which moves it to the end.
+  Csr<V, V> rows;
+  rows.offsets.assign(n_values + 2, 0);
+  for_each_edge([&](V a, V b) {
+    count(rows.offsets[a.value() + 2]);
+    count(rows.offsets[b.value() + 2]);
+  });
+  for (std::size_t v = 2; v < rows.offsets.size(); ++v) rows.offsets[v] += rows.offsets[v - 1];
+  rows.values.resize(rows.offsets.back());
+  for_each_edge([&](V a, V b) {
+    rows.values[count(rows.offsets[a.value() + 1])] = b;
+    rows.values[count(rows.offsets[b.value() + 1])] = a;
+  });
+  rows.offsets.pop_back();
+  parallel_for(n_values, [&](std::size_t v) { sort_row(rows[V(v)]); });
+  return rows;
+}
+
 /// Row v lists, in ascending order, the values that share a tuple with v. tuple(t) is an array of values below
 /// `n_values`, for t < n_tuples; visited are those with exists(t). In parallel; O(n) for rows of bounded length.
 /// `order` as above.
@@ -100,7 +160,7 @@ Csr<V, V> adjacent_values(std::size_t n_values, std::size_t n_tuples, Tuple&& tu
           }
           t = after;
         }
-        std::sort(row.begin() + begin, row.end());
+        sort_row(std::span(row).subspan(static_cast<std::size_t>(begin)));
       },
       order);
 }

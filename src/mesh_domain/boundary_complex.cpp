@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
+#include <cstdint>
 #include <map>
 #include <numeric>
 #include <unordered_map>
 
 #include "base/disjoint_sets.h"
+#include "base/parallel.h"
 #include "mesh/faces.h"
 
 namespace voropack {
@@ -103,18 +106,29 @@ class ComplexFinder {
   }
 
   void find_edges() requires(D == 3) {
-    std::vector<std::pair<Edge, std::uint32_t>> sides;
+    struct Side {
+      std::uint64_t edge;  ///< Both ends.
+      std::uint32_t face;
+      auto operator<=>(const Side&) const = default;
+    };
+    std::vector<Side> sides;
+    sides.reserve(3 * mesh_.boundary_vertices.size());
     for (const BoundaryId f : ids(mesh_.boundary_vertices)) {
       const auto& face = mesh_.boundary_vertices[f];
-      for (std::size_t i = 0; i < 3; ++i) sides.emplace_back(edge_of(face[i], face[(i + 1) % 3]), f.value());
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Edge ends = edge_of(face[i], face[(i + 1) % 3]);
+        sides.push_back({std::uint64_t{ends[0]} << 32U | ends[1], f.value()});
+      }
     }
-    std::sort(sides.begin(), sides.end());
+    parallel_sort(sides.begin(), sides.end());
     std::map<Edge, std::optional<int>> listed;
     for (const EdgeId e : ids(mesh_.segment_edges))
       listed[edge_of(mesh_.segment_edges[e][0], mesh_.segment_edges[e][1])] = mesh_.segment_edge_marker[e];
     for (std::size_t i = 0; i < sides.size();) {
-      EdgeFaces edge{sides[i].first, {}, {}, false, false};
-      for (; i < sides.size() && sides[i].first == edge.ends; ++i) edge.faces.push_back(sides[i].second);
+      const std::uint64_t number = sides[i].edge;
+      EdgeFaces edge{
+          {static_cast<std::uint32_t>(number >> 32U), static_cast<std::uint32_t>(number)}, {}, {}, false, false};
+      for (; i < sides.size() && sides[i].edge == number; ++i) edge.faces.push_back(sides[i].face);
       if (const auto it = listed.find(edge.ends); it != listed.end()) {
         edge.is_listed = true;
         edge.marker = it->second;
@@ -225,14 +239,25 @@ class ComplexFinder {
   void find_corners() {
     const std::size_t n = mesh_.points.size();
     is_corner_.assign(n, 0);
-    features_at_.resize(n);
-    for (std::uint32_t e = 0; e < features_.size(); ++e)
-      for (const std::uint32_t v : features_[e].ends) features_at_[v].push_back(e);
+    list_features_at_vertices();
     for (std::uint32_t v = 0; v < n; ++v) is_corner_[v] = is_corner(v) ? 1 : 0;
   }
 
+  void list_features_at_vertices() {
+    std::vector<std::uint64_t>& offsets = features_at_.offsets;
+    offsets.assign(mesh_.points.size() + 2, 0);
+    for (const FeatureEdge& feature : features_)
+      for (const std::uint32_t v : feature.ends) ++offsets[v + 2];
+    for (std::size_t v = 2; v < offsets.size(); ++v) offsets[v] += offsets[v - 1];
+    features_at_.values.resize(offsets.back());
+    // Where row v begins stands at v + 1 until the row is filled, which moves it to the end.
+    for (std::uint32_t e = 0; e < features_.size(); ++e)
+      for (const std::uint32_t v : features_[e].ends) features_at_.values[offsets[v + 1]++] = e;
+    offsets.pop_back();
+  }
+
   [[nodiscard]] bool is_corner(std::uint32_t v) const {
-    const auto& at = features_at_[v];
+    const auto at = features_at_[VertexId(v)];
     const auto& dimension = mesh_.vertex_carrier_dimension;
     if (!dimension.empty() && dimension[VertexId(v)] == 0) return true;
     if (at.empty()) return false;
@@ -258,7 +283,8 @@ class ComplexFinder {
         v = other_end(features_[e], v);
         row.push_back(VertexId(v));
         if (is_corner_[v] != 0 || v == start) break;
-        e = features_at_[v][0] == e ? features_at_[v][1] : features_at_[v][0];
+        const auto at = features_at_[VertexId(v)];
+        e = at[0] == e ? at[1] : at[0];
       }
       if (v == start) {  // Closed without a corner: a polygon so fine that no angle shows.
         is_corner_[start] = 1;
@@ -270,7 +296,7 @@ class ComplexFinder {
     };
     for (std::uint32_t v = 0; v < is_corner_.size(); ++v)
       if (is_corner_[v] != 0)
-        for (const std::uint32_t e : features_at_[v])
+        for (const std::uint32_t e : features_at_[VertexId(v)])
           if (used[e] == 0) walk(v, e);
     for (std::uint32_t e = 0; e < features_.size(); ++e)
       if (used[e] == 0) walk(features_[e].ends[0], e);
@@ -304,8 +330,8 @@ class ComplexFinder {
   std::vector<EdgeFaces> edges_;      ///< 3D.
   std::vector<std::uint32_t> patch_;  ///< 3D: of each face.
   std::vector<FeatureEdge> features_;
-  std::vector<std::vector<std::uint32_t>> features_at_;  ///< By vertex.
-  std::vector<std::uint8_t> is_corner_;                  ///< By vertex.
+  Csr<VertexId, std::uint32_t> features_at_;
+  std::vector<std::uint8_t> is_corner_;  ///< By vertex.
   BoundaryComplex<D> result_;
 };
 

@@ -81,18 +81,6 @@ class SphereSet {
     return visit_near(x, radius, hit);
   }
 
-  /// True only if one sphere of the set overlaps every sphere with its center in `centers` and a radius of at least
-  /// `least`. `hint` as above.
-  [[nodiscard]] bool conflicts_with_all(const Ball<K>& centers, double least, std::uint32_t& hint) const {
-    const auto hit = [&](std::uint32_t id) {
-      const double reach = (spheres_[id].radius + least - centers.radius) * (1 - 2 * kPackingSlack);
-      if (!(reach > 0 && distance_sq(spheres_[id].center, centers.center) < reach * reach)) return false;
-      hint = id;
-      return true;
-    };
-    return (hint < spheres_.size() && hit(hint)) || visit_near(centers.center, least, hit);
-  }
-
   /// True if one sphere q of the set leaves no room in the ball (m, r), for every f with f(m) and the Lipschitz
   /// constant given: |m - q| + (1 + b) r < f(q) + f(m).
   [[nodiscard]] bool covers(const Vec<K>& m, double r, double f_m, double lipschitz) const {

@@ -147,13 +147,7 @@ TEST(Hilbert, OrdersArePermutationsAndOrderClustersToo) {
 }
 
 template <int K>
-void expect_order_by_key() {
-  Random random(2);
-  // Every other point is in a cluster whose keys begin with the same digits.
-  std::vector<Vec<K>> points(60000);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    for (int k = 0; k < K; ++k) points[i][k] = i % 2 == 0 ? random.unit() : 0.3 + 1e-5 * random.unit();
-  points[100] = points[4] = points[7];
+void expect_order_by_key(const std::vector<Vec<K>>& points) {
   Box<K> box;
   for (const Vec<K>& x : points) box.add(x);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
@@ -162,6 +156,23 @@ void expect_order_by_key() {
   const std::vector<std::uint32_t> order = hilbert_order<K>(points, box);
   ASSERT_EQ(order.size(), points.size());
   for (std::size_t i = 0; i < order.size(); ++i) ASSERT_EQ(order[i], keys[i].second);
+}
+
+template <int K>
+void expect_order_by_key() {
+  Random random(2);
+  // Every other point is in a cluster whose keys begin with the same digits.
+  std::vector<Vec<K>> points(60000);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (int k = 0; k < K; ++k) points[i][k] = i % 2 == 0 ? random.unit() : 0.3 + 1e-5 * random.unit();
+  points[100] = points[4] = points[7];
+  expect_order_by_key<K>(points);
+  // Almost in order: a few are elsewhere, at first the last one.
+  std::vector<Vec<K>> almost;
+  for (const std::uint32_t i : hilbert_order<K>(points)) almost.push_back(points[i]);
+  std::swap(almost.front(), almost.back());
+  for (int i = 0; i < 1000; ++i) std::swap(almost[random.bits() % 60000], almost[random.bits() % 60000]);
+  expect_order_by_key<K>(almost);
 }
 
 TEST(Hilbert, OrdersManyPointsByTheirKeys) {

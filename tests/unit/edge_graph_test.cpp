@@ -82,6 +82,31 @@ TEST(EdgeGraph, ValuesFallToTheLargestLipschitzFunctionInThePlane) {
 }
 TEST(EdgeGraph, ValuesFallToTheLargestLipschitzFunctionInSpace) { values_fall_to_the_largest_lipschitz_function<3>(); }
 
+template <int D>
+void grows_as_level_by_level() {
+  const EdgeGraph graph = build_edge_graph(a_mesh<D>());
+  const std::size_t n = graph.neighbors.size();
+  IdVector<VertexId, double> smooth(n, 0.01), rough(n);
+  Random random(8);
+  for (double& value : rough) value = 0.001 * std::pow(10.0, random.unit());
+  for (std::size_t i = 0; i < n; i += 1000) smooth[VertexId(i)] = 0.002;
+  const test::AllowThreads allow(8);
+  for (const IdVector<VertexId, double>& f : {smooth, rough, some_values(n)})
+    for (const double growth : {1.0, 1.3, 2.0}) {
+      std::vector<IdVector<VertexId, double>> wanted;
+      IdVector<VertexId, double> level = f;
+      for (int k = 0; k < 6; ++k) {
+        for (double& value : level) value *= growth;
+        make_lipschitz(graph, 0.2, level);
+        wanted.push_back(level);
+      }
+      for (const int threads : {1, 8})
+        run_with_threads(threads, [&] { EXPECT_EQ(grown_lipschitz(graph, 0.2, f, growth, 6), wanted); });
+    }
+}
+TEST(EdgeGraph, FunctionsGrowAsLevelByLevelInThePlane) { grows_as_level_by_level<2>(); }
+TEST(EdgeGraph, FunctionsGrowAsLevelByLevelInSpace) { grows_as_level_by_level<3>(); }
+
 void expect_answers(BoxTree<3> tree, const std::vector<Box<3>>& boxes) {
   Random random(3);
   std::vector<double> values;

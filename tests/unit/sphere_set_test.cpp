@@ -50,34 +50,6 @@ TEST(SphereSet, ConflictsAreThoseOfAllPairs) {
 }
 
 /// True where one sphere is in the way of all, no matter where it is found; and then each of them conflicts.
-TEST(SphereSet, ConflictsWithAllOfABall) {
-  constexpr double kLipschitz = 0.1;
-  Random random(5);
-  SphereSet<3> set({}, kLipschitz, 0.01);
-  for (int i = 0; i < 400; ++i) {
-    const Vec<3> x = random_point<3>(random);
-    if (!set.conflicts(x, graded(x, kLipschitz))) set.add({x, graded(x, kLipschitz)});
-  }
-  int n_found = 0;
-  std::uint32_t hint = 0;
-  for (int i = 0; i < 1000; ++i) {
-    const Ball<3> centers{random_point<3>(random), 0.1 * random.unit()};
-    const double least = graded(centers.center, kLipschitz) - kLipschitz * centers.radius;
-    const bool expected = std::ranges::any_of(set.spheres(), [&](const Ball<3>& s) {
-      return distance(s.center, centers.center) + centers.radius < (s.radius + least) * (1 - 1e-7);
-    });
-    const bool found = set.conflicts_with_all(centers, least, hint);
-    EXPECT_TRUE(found || !expected);
-    n_found += found ? 1 : 0;
-    for (int k = 0; found && k < 20; ++k) {
-      const Vec<3> u = random_point<3>(random, -1, 1);
-      EXPECT_TRUE(set.conflicts(centers.center + (centers.radius / norm(u)) * u, least));
-    }
-  }
-  EXPECT_GT(n_found, 50);
-  EXPECT_LT(n_found, 950);
-}
-
 TEST(SphereSet, TouchingSpheresDoNotConflict) {
   SphereSet<3> set({}, 0, 0.1);
   set.add({{0, 0, 0}, 0.1});
