@@ -287,7 +287,8 @@ void check_adaptive(const AdaptiveWishes& wishes, const Case& given) {
   if (!wishes.is_wished) return;
   if (given.time)
     refuse("cli.contradiction", "--adapt is given, and the case is one in time",
-           "leave out [time], or adapt the mesh to an earlier solution with --adapt-field on a stationary case.");
+           "leave out [time]: adapt a stationary case, to a state with --adapt-field; then go on in time on the mesh "
+           "that is written, from initial = { array, file, transfer }.");
   if (given.method == CaseMethod::kFiniteElements)
     refuse("cli.contradiction", "--adapt is given, and the method is \"fem\": errors are estimated for control volumes",
            "set method = \"cvm\".");

@@ -115,7 +115,8 @@ ExitCode finish_case(Setting<D>& setting, const Domain<D>* domain, const SolveAr
     code = adaptive_exit_code(adaptive, arguments.adaptive);
   }
   text += count_table(*report.quality) + '\n';
-  text += solve_tables(solved.figures) + timing_line(report.times) + output_lines(staged, writer.n_states());
+  text += solve_tables(solved.figures) + timing_line(report.times) + output_lines(staged, writer.n_states()) +
+          staged.stale_line(writer.n_states());
   session.finish(report, text);
   return code;
 }

@@ -1,7 +1,9 @@
 #include "solve_output.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <charconv>
 #include <span>
 
 #include "parameters.h"
@@ -16,6 +18,23 @@ namespace {
 /// heat.pvd -> heat_0000.vtu, heat_0001.vtu, ...
 fs::path frame(const fs::path& series, std::size_t number) {
   return series.parent_path() / fmt::format("{}_{:04}.vtu", series.stem().string(), number);
+}
+
+/// The numbers of the states that belong to the series that is there.
+std::vector<std::size_t> earlier_frames(const fs::path& series) {
+  std::vector<std::size_t> numbers;
+  std::error_code error;
+  if (!fs::exists(series, error)) return numbers;
+  const fs::path folder = series.has_parent_path() ? series.parent_path() : fs::path(".");
+  const std::string prefix = series.stem().string() + '_';
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_regular_file(error) || !name.starts_with(prefix)) continue;
+    std::size_t number = 0;
+    std::from_chars(name.data() + prefix.size(), name.data() + name.size(), number);
+    if (frame(series, number).filename() == name) numbers.push_back(number);
+  }
+  return numbers;
 }
 
 std::string pvd_text(const fs::path& series, std::span<const double> times) {
@@ -36,6 +55,12 @@ std::vector<NamedArray> named(std::span<const double> u, std::span<const double>
 
 }  // namespace
 
+std::string StagedSolution::stale_line(std::size_t n_states) const {
+  const std::vector<std::size_t> stale(earlier.lower_bound(n_states), earlier.end());
+  if (stale.empty()) return {};
+  return fmt::format("removed           state {} of an earlier series there\n", fmt::join(stale, ", "));
+}
+
 StagedSolution stage(const CaseOutputs& outputs, bool is_series, OutputSet& set) {
   StagedSolution staged;
   staged.is_series = is_series;
@@ -43,6 +68,11 @@ StagedSolution stage(const CaseOutputs& outputs, bool is_series, OutputSet& set)
     check_extension(name, {extension});
     if (is_series && name.extension() == ".vtu") name.replace_extension(".pvd");
     staged.names.push_back(name);
+    if (is_series && name.extension() == ".pvd")
+      for (const std::size_t number : earlier_frames(name)) {
+        set.replace(frame(name, number));
+        staged.earlier.insert(number);
+      }
     return set.stage(name);
   };
   for (const fs::path& mesh : outputs.meshes) staged.meshes.push_back(add(mesh, ".vtu"));

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,14 @@ struct StagedSolution {
   std::vector<std::filesystem::path> meshes;
   std::optional<std::filesystem::path> cells, fluxes;
   bool is_series = false;
+  std::set<std::size_t> earlier;  ///< Numbers of the states that an earlier series left under these names.
+
+  /// Which of those go when a series of so many states appears, as a line for the user; or nothing.
+  [[nodiscard]] std::string stale_line(std::size_t n_states) const;
 };
 
-/// Throws OptionError io.unknown_format, and as OutputSet::stage.
+/// A series takes the place of an earlier one of the same name with all its states.
+/// Throws OptionError io.unknown_format, and as OutputSet::stage and OutputSet::replace.
 StagedSolution stage(const CaseOutputs& outputs, bool is_series, OutputSet& set);
 
 /// Writes states of the solution on the mesh (point arrays `u` and, with an exact solution, `error`) and on the control

@@ -16,26 +16,29 @@ namespace voropack {
 namespace {
 
 /// Recovered derivatives scatter from vertex to vertex: so many averages over neighbors even that out.
-constexpr int kAverages = 2;
+constexpr int kAverages = 1;
 /// Where the solution is straight, f would be infinite: it grows to this multiple of its least value at most.
 constexpr double kLargestRatio = 1024;
 /// The least value is kept up to where this multiple of it would do: there irregular cells beside the lattice cost less
 /// than more of the lattice does. Measured, as what follows.
 template <int D>
-constexpr double kFirstStep = D == 2 ? 2.5 : 2;
+constexpr double kFirstStep = D == 2 ? 2.1 : 2;
 /// In the plane also up to larger multiples: each so many times the one before, and how many are tried.
 constexpr double kStepFactor = 1.1;
 constexpr int kFirstSteps = 15;
 /// Squares of errors, by volume: of irregular cells this times f^2 |H|^2, of a lattice f^4 T^2.
-constexpr double kIrregularity = 1.5;
+constexpr double kIrregularity = 0.7;
+/// In the plane f begins with this multiple of its least value beside the lattice, which fits up to 1.7 of it: edges
+/// there are as long as those of the lattice.
+constexpr double kJump = 1.6;
 /// Beyond, f grows in steps of 2 in space; in the plane, where lattices fit a wider range of f, as it likes.
 template <int D>
 constexpr bool kGrowsInSteps = D == 3;
 /// Halvings of the interval that holds the factor k.
 constexpr int kBisections = 60;
 /// Paths along edges are longer than straight lines, by up to 1.998 in the plane: values that differ by half of what is
-/// Lipschitz along edges do so across them as well, in practice in space, too.
-constexpr double kEdgeSlope = 0.5;
+/// Lipschitz along edges do so across them as well. Few paths are much longer: this is measured.
+constexpr double kEdgeSlope = 0.85;
 /// Packings of the same spacing differ by some percent.
 constexpr double kCountTolerance = 0.05;
 constexpr int kCountTrials = 5;
@@ -66,7 +69,7 @@ struct Bends {
 template <int D>
 double stepped(double ratio, double first_step) {
   if (ratio < first_step) return 1;
-  return kGrowsInSteps<D> ? std::exp2(std::floor(std::log2(ratio / first_step)) + 1) : ratio;
+  return kGrowsInSteps<D> ? std::exp2(std::floor(std::log2(ratio / first_step)) + 1) : kJump * ratio / first_step;
 }
 
 /// The first step with the least predicted error, if the integral of f^-D shall be `wanted`: a lattice that ends early
@@ -112,10 +115,19 @@ Bends find_bends(const ControlVolumes<D>& volumes, const RecoveredDerivatives<D>
   }
   const double largest = *std::ranges::max_element(product);
   if (!(largest > 0)) return bends;
-  parallel_for(n_vertices, [&](std::size_t i) {
-    const VertexId v(i);
-    bends.ratio[v] = std::min(std::pow(product[v] / largest, -1.0 / (D + 3)), kLargestRatio);
+  // Beside a layer derivatives decay exponentially: means of their logarithms leave a lattice's end where it is.
+  IdVector<CellId, double> log_ratio(n);
+  parallel_for(n, [&](std::size_t i) {
+    const CellId c(i);
+    const double part = product[volumes.cell_vertex[c]] / largest;
+    log_ratio[c] = std::log(std::min(std::pow(part, -1.0 / (D + 3)), kLargestRatio));
   });
+  log_ratio = smoothed(neighbors, std::move(log_ratio));
+  bends.ratio = VertexValues(n_vertices, kLargestRatio);
+  for (const CellId c : ids(log_ratio)) {
+    double& ratio = bends.ratio[volumes.cell_vertex[c]];
+    ratio = std::min(ratio, std::exp(log_ratio[c]));
+  }
   return bends;
 }
 

@@ -1,6 +1,7 @@
 // Which polytopes the vertices of a packing are due to.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "voropack/packing.h"
@@ -24,9 +25,15 @@ std::vector<CostlyFeature<D>> attribute(const Domain<D>& domain, const Spacing<D
 inline constexpr std::size_t kMaxFeatures = 10;
 inline constexpr double kCoverage = 0.8;
 
-/// The points by which `estimate_sphere_count` counts. Counts may be negative: facets keep clear of their segments.
+/// How many vertices a packing will have, and where.
 template <int D>
-std::vector<CountedPoint<D>> estimated_points(const Domain<D>& domain, const Spacing<D>& spacing,
-                                              const PackingOptions& options);
+struct CountEstimate {
+  std::vector<CountedPoint<D>> points;  ///< Counts may be negative: facets keep clear of their segments.
+  std::optional<double> plateau;        ///< Of the values that f has on parts of regions that of most vertices.
+  [[nodiscard]] double count() const;
+};
+
+template <int D>
+CountEstimate<D> estimate_count(const Domain<D>& domain, const Spacing<D>& spacing, const PackingOptions& options);
 
 }  // namespace voropack

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "packing/attribution.h"
+
 namespace voropack {
 
 namespace {
@@ -89,7 +91,9 @@ void Budget<D>::refuse(const Spacing<D>& f, double estimate) const {
 
 template <int D>
 void Budget<D>::check_ahead(const Spacing<D>& f) {
-  estimate_ = estimate_sphere_count(domain_, f, options_);
+  const CountEstimate<D> ahead = estimate_count(domain_, f, options_);
+  estimate_ = std::max(static_cast<double>(domain_.points.size()), ahead.count());
+  plateau_ = ahead.plateau;
   if (!(estimate_ <= affordable())) refuse(f, estimate_);
 }
 

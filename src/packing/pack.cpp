@@ -200,8 +200,9 @@ class AdaptivePacker {
     if (!best_) budget_.check_again(tied, n_boundary_);
     if (!add_kept_interior(boundary, tied)) return false;
     n_fixed_ = boundary.packing.center.size();
-    const PackingProblem<D> problem =
+    PackingProblem<D> problem =
         interior_problem(protection_.domain(), tied, boundary, walls_, options_, stretched_rounds_);
+    problem.plateau = budget_.plateau();
     PackedInterior<D> interior = pack_interior(problem, false, observer_);
     if (!interior.broken_faces.empty()) {
       const std::size_t first = boundary.balls.size() - problem.faces.size();

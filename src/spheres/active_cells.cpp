@@ -81,7 +81,7 @@ ActiveCells<K>::ActiveCells(const PackingProblem<K>& problem, bool lattice, doub
     side_ = std::ldexp(leaf, std::max(0, static_cast<int>(std::ceil(std::log2(side_ * (1 + 1e-6) / leaf)))));
     origin_ = problem.bounds.center();
     for (int k = 0; k < K; ++k) origin_[k] -= side_ / 2;
-    if (lattice) lattice_.emplace(problem.bounds.center(), largest, problem.seed);
+    if (lattice) lattice_.emplace(problem.bounds.center(), problem.plateau.value_or(largest), largest, problem.seed);
   }
   for (const Ball<K>& s : problem.fixed) spheres_.add(s);
   for (const Ball<K>& s : problem.foreign) spheres_.add(s);
@@ -186,6 +186,25 @@ void ActiveCells<K>::subdivide(const Cell& cell, Obstacles& obstacles, const Mar
   obstacles.pop_to(mine);
 }
 
+/// The class of the plateau's lattice if that serves f at the corners of a cell, too. Bounds of f by its Lipschitz
+/// constant would end the lattice where f begins to grow; its points are tested one by one here, and need none.
+template <int K>
+std::optional<int> ActiveCells<K>::class_beside_plateau(const Box<K>& box) const {
+  if (!problem_.plateau) return std::nullopt;
+  const double lo = *problem_.plateau;
+  std::optional<int> cls;
+  for (std::size_t c = 0; c < std::size_t{1} << K; ++c) {
+    Vec<K> corner = box.lo;
+    for (int k = 0; k < K; ++k)
+      if ((c >> k & 1U) != 0) corner[k] = box.hi[k];
+    const double f = spacing_near(corner);
+    if (f < lo) return std::nullopt;
+    cls = lattice_->class_for(lo, f);
+    if (!cls) return std::nullopt;
+  }
+  return cls;
+}
+
 /// Harvests a cell that is not covered and not outside, or its children.
 template <int K>
 void ActiveCells<K>::open(const Cell& cell, const Box<K>& box, const Range& f, Obstacles& obstacles, const Mark& mine,
@@ -197,6 +216,7 @@ void ActiveCells<K>::open(const Cell& cell, const Box<K>& box, const Range& f, O
     if (lattice_ && f.lo > 0 && (is_leaf || is_clear)) cls = lattice_->class_for(f.lo, f.hi);
   const bool free = cls && is_clear && !problem_.breaks_far_rule(box.center(), 2 * f.hi + 0.5 * box.diagonal());
   if constexpr (K > 1) {
+    if (lattice_ && is_leaf && !cls) cls = class_beside_plateau(box);
     if (cls && (is_leaf || free))
       lattice_->visit(*cls, box, [&](const Vec<K>& x) {
         out.points.push_back({x, *cls, cell.is_mixed() ? kNoRegion : cell.region, free, cell.constant});

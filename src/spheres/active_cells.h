@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -113,6 +114,7 @@ class ActiveCells {
   void subdivide(const Cell& cell, Obstacles& obstacles, const Mark& parent, Harvest& out) const;
   void open(const Cell& cell, const Box<K>& box, const Range& f, Obstacles& obstacles, const Mark& mine,
             Harvest& out) const;
+  [[nodiscard]] std::optional<int> class_beside_plateau(const Box<K>& box) const;
   [[nodiscard]] bool is_covered(const Obstacles& obstacles, const Mark& begin, const Vec<K>& m, double r,
                                 double f) const;
   /// Tightens the cell's lower bound of f.

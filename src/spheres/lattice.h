@@ -21,17 +21,21 @@ class LatticeFamily {
  public:
   static constexpr double kDistance = K == 2 ? 1.0 : 0.8660254037844386;                 // sqrt(3) / 2
   static constexpr double kCovering = K == 2 ? 0.5773502691896258 : 0.5590169943749475;  // 1 / sqrt(3), sqrt(5) / 4
-  /// Just less than kDistance / kCovering, so that neighboring classes overlap.
-  static constexpr double kRatio = K == 2 ? 1.7 : 1.52;
+  /// Less than kDistance / kCovering, so that neighboring classes overlap. In space 2 is two classes: there lattices
+  /// for f and 2 f are equally coarse, and one is a part of the other.
+  static constexpr double kRatio = K == 2 ? 1.7 : 1.4142135623730951;  // sqrt(2)
   /// How much finer the lattice is than it must be. Pays for the jitter.
   static constexpr double kSlack = 1e-4;
   /// Points move at random by up to this much of the side: exact lattices are cospherical and slow down every
   /// predicate.
   static constexpr double kJitter = 1e-6;
 
-  /// Class 0 is the coarsest lattice that is maximal for f = `f`.
-  LatticeFamily(const Vec<K>& origin, double f, std::uint64_t seed)
-      : origin_(origin), side0_(2 * f * (1 - kSlack) / kCovering), seed_(seed) {}
+  /// One class is the coarsest lattice that is maximal for f = `fitted`; class 0 is the coarsest one for `largest`.
+  LatticeFamily(const Vec<K>& origin, double fitted, double largest, std::uint64_t seed)
+      : origin_(origin), side0_(2 * fitted * (1 - kSlack) / kCovering), seed_(seed) {
+    const double steps = std::log(largest / fitted) / std::log(kRatio);
+    side0_ *= std::pow(kRatio, std::floor(steps + kSlack));
+  }
 
   [[nodiscard]] double side(int cls) const { return side0_ * std::pow(kRatio, -cls); }
 

@@ -115,6 +115,8 @@ struct PackingProblem {
   PackingForm form = PackingForm::kVoronoi;
   Interior interior = Interior::kLattice;
   double epsilon = 0.25;
+  /// A value of f for which there is a lattice that is as coarse as can be. Absent: the largest one that is found.
+  std::optional<double> plateau;
   bool lattice_first = false;  ///< The forms that are random by definition start with a lattice, too.
   /// New centers move by up to this much, relative to f, at random: no four of them on a circle by symmetry.
   double jitter = 0;

@@ -103,6 +103,27 @@ initial = {array = "u", file = "whole.vtu", transfer = "conserve"}
             if keep == "all":
                 self.assertLess(before, last)
 
+    def test_a_shorter_series_takes_the_place_of_a_longer_one(self):
+        self.adapt("--cycles", "3", "-o", "layer.vtu")
+        (self.folder / "layer_extra.vtu").write_text("of the user's")
+        (self.folder / "layer_00002.vtu").write_text("of the user's")
+        self.adapt("--cycles", "1", "-o", "layer.vtu")
+        self.assertIn("state 2, 3 of an earlier series", self.output)
+        self.assertEqual(sorted(path.name for path in self.folder.glob("layer*.vtu")),
+                         ["layer_0000.vtu", "layer_00002.vtu", "layer_0001.vtu", "layer_extra.vtu"])
+        self.adapt("--cycles", "2", "-o", "layer.vtu")
+        self.assertNotIn("earlier series", self.output)
+
+    def test_a_state_that_is_read_stays(self):
+        self.adapt("--cycles", "3", "-o", "layer.vtu")
+        self.fail_with(2, "solve", "layer.toml", "--adapt", "--max-vertices", "100", "--adapt-field", "layer_0003.vtu:u",
+                       "-o", "layer.vtu", words=["cli.overwrites_input", "layer_0003.vtu"])
+        self.assertTrue((self.folder / "layer_0003.vtu").exists())
+
+    def test_time_is_refused_with_the_way_around(self):
+        self.write("time.toml", CASE + "[time]\nend = 0.1\nstep = 0.05\ninitial = 0\n")
+        self.fail_with(2, "solve", "time.toml", "--adapt", words=["cli.contradiction", "--adapt-field", "transfer"])
+
     def test_a_tolerance_that_is_not_met(self):
         figures = self.adapt("--tolerance", "1e-6", "--cycles", "2", "-o", "layer.vtu", code=4)
         self.assertEqual((figures["end"], len(figures["cycles"])), ("max_cycles", 3))

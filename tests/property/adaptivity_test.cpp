@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -75,7 +76,7 @@ std::vector<Cycle> adapt(Mesh<D> mesh, const std::function<Solution<D>(const Mes
     const auto n = static_cast<double>(mesh.points.size());
     cycles.push_back({n, solved.error, estimate.w / solved.error});
     if (static_cast<int>(cycles.size()) > n_cycles) return cycles;
-    TargetOptions target{.n_vertices = growth * n};
+    TargetOptions target{.n_vertices = growth * n, .is_resolved = estimate.smooth > estimate.rough};
     if (keep_all) target.largest_factor = 1;
     const Spacing<D> spacing = adapted_spacing(mesh, first.domain, solved.volumes, derivatives, target);
     mesh =
@@ -92,6 +93,20 @@ std::vector<Cycle> adapt(const Mesh<D>& mesh, const ExactProblem<D>& exact, int 
 
 double slope(const Cycle& a, const Cycle& b) {
   return std::log(b.error / a.error) / std::log(b.n_vertices / a.n_vertices);
+}
+
+/// At x, the line that fits the logarithms of the points (x, y) best.
+double on_line(const std::vector<std::array<double, 2>>& points, double at) {
+  const auto n = static_cast<double>(points.size());
+  double x = 0, y = 0, xx = 0, xy = 0;
+  for (const auto& [px, py] : points) {
+    const double a = std::log(px / at), b = std::log(py);
+    x += a / n;
+    y += b / n;
+    xx += a * a / n;
+    xy += a * b / n;
+  }
+  return std::exp(y - x * (xy - x * y) / (xx - x * x));
 }
 
 void expect_effective_after_two(const std::vector<Cycle>& cycles) {
@@ -150,29 +165,33 @@ TEST(Adaptivity, ReentrantEdgeInSpace) {
 }
 
 TEST(Adaptivity, InteriorLayer) {
-  const auto cycles = adapt<2>(test::mesh_of(domains::unit_box<2>(), 0.1), circular_layer(), 6, 2, false);
+  const auto cycles = adapt<2>(test::mesh_of(domains::unit_box<2>(), 0.1), circular_layer(), 7, 2, false);
   expect_effective_after_two(cycles);
   // On lattices errors fall like h^2, and n times the error is the same for all uniform meshes.
   const Mesh<2> uniform = test::mesh_of(domains::unit_box<2>(), 0.00625);
   const double cost = static_cast<double>(uniform.points.size()) * solve_exact(uniform, circular_layer()).error;
-  EXPECT_LE(cycles.back().n_vertices * cycles.back().error, cost / 3.5);
+  // From 5,000 vertices on the adapted meshes resolve the layer.
+  for (std::size_t k = 6; k < cycles.size(); ++k)
+    EXPECT_LE(cycles[k].n_vertices * cycles[k].error, cost / 5) << "cycle " << k;
 }
 
 TEST(Adaptivity, ExponentialOnTheCube) {
-  const auto cycles = adapt<3>(test::mesh_of(domains::unit_box<3>(), 0.2), exponential(), 4, 2.5, false);
-  expect_effective_after_two(cycles);
-  // Uniform meshes are lattices, too, and as good on the whole; how a lattice fits between walls makes 25 % either way.
-  std::vector<Cycle> uniform;
-  for (const double size : {0.1, 0.05}) {
+  // Uniform meshes are lattices, too; how these fit between walls makes 20 % either way, so means count.
+  std::vector<std::array<double, 2>> uniform;
+  for (const double size : {0.12, 0.11, 0.1, 0.086, 0.074, 0.068, 0.062, 0.057, 0.053}) {
     const Mesh<3> mesh = test::mesh_of(domains::unit_box<3>(), size);
-    uniform.push_back({static_cast<double>(mesh.points.size()), solve_exact(mesh, exponential()).error, 1});
+    uniform.push_back({static_cast<double>(mesh.points.size()), solve_exact(mesh, exponential()).error});
   }
-  const double order = slope(uniform[0], uniform[1]);
   double mean = 0;
-  for (std::size_t k = 2; k < cycles.size(); ++k)
-    mean +=
-        std::log(cycles[k].error / (uniform[0].error * std::pow(cycles[k].n_vertices / uniform[0].n_vertices, order)));
-  EXPECT_LT(std::exp(mean / static_cast<double>(cycles.size() - 2)), 1.25);
+  int count = 0;
+  for (const double growth : {2.0, 3.0}) {
+    const auto cycles =
+        adapt<3>(test::mesh_of(domains::unit_box<3>(), 0.2), exponential(), growth > 2 ? 3 : 5, growth, false);
+    expect_effective_after_two(cycles);
+    for (std::size_t k = 1; k < cycles.size(); ++k, ++count)
+      mean += std::log(cycles[k].error / on_line(uniform, cycles[k].n_vertices));
+  }
+  EXPECT_LT(std::exp(mean / count), 1);
 }
 
 /// -div(kappa grad u) + sigma u = s on the unit box with u = sin(4 x) exp(2 y). What is not asked for is kappa = 1,

@@ -131,7 +131,7 @@ TEST(BallSet, KeepsAMarginAroundABall) {
 template <int K>
 void lattice_has_its_distance_and_covering_radius() {
   using Family = LatticeFamily<K>;
-  const Family family(Vec<K>{}, 0.1, 5);
+  const Family family(Vec<K>{}, 0.1, 0.1, 5);
   for (const int cls : {0, 1}) {
     const double s = family.side(cls);
     Box<K> box;
@@ -166,7 +166,7 @@ TEST(Lattice, HasItsDistanceAndCoveringRadius) {
 template <int K>
 void class_for_gives_maximal_packings() {
   using Family = LatticeFamily<K>;
-  const Family family(Vec<K>{}, 1, 5);
+  const Family family(Vec<K>{}, 1, 1, 5);
   EXPECT_EQ(family.class_for(1, 1), 0);
   Random random(6);
   int found = 0;
@@ -189,7 +189,7 @@ TEST(Lattice, ClassForGivesMaximalPackings) {
 
 /// Cells that tile a box share out its lattice points.
 TEST(Lattice, BoxesThatTileShareOutThePoints) {
-  const LatticeFamily<3> family({0.1, 0.2, 0.3}, 0.1, 5);
+  const LatticeFamily<3> family({0.1, 0.2, 0.3}, 0.1, 0.1, 5);
   std::vector<Vec<3>> whole, parts;
   family.visit(0, {{-1, -1, -1}, {1, 1, 1}}, [&](const Vec<3>& x) { whole.push_back(x); });
   for (unsigned i = 0; i < 8; ++i) {
