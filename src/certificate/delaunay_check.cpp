@@ -69,9 +69,6 @@ std::optional<double> cross_face(const Line<3>& line, const std::array<Vec<3>, 3
   return dot(sa * a + sb * b + sc * c, line.direction) / (sa + sb + sc);
 }
 
-Vec<2> normal_of(const std::array<Vec<2>, 2>& p) { return {p[0][1] - p[1][1], p[1][0] - p[0][0]}; }
-Vec<3> normal_of(const std::array<Vec<3>, 3>& p) { return cross(p[1] - p[0], p[2] - p[0]); }
-
 /// All crossings of the lines with hull faces, by line, then along it.
 template <int D>
 std::vector<Crossing> find_crossings(const Subject<D>& subject, const std::vector<Line<D>>& lines) {
@@ -87,8 +84,7 @@ std::vector<Crossing> find_crossings(const Subject<D>& subject, const std::vecto
           std::array<Vec<D>, D> p;
           for (std::size_t i = 0; i < D; ++i) p[i] = subject.point(face.vertices[i]);
           const VertexId inside = subject.mesh.simplex_vertices[SimplexId(face.simplex[0])][face.corner[0]];
-          Vec<D> inward = normal_of(p);
-          if (dot(inward, subject.mesh.points[inside] - p[0]) < 0) inward = -inward;
+          const Vec<D> inward = inward_normal(p, subject.mesh.points[inside]);
           for (std::size_t line = 0; line < lines.size(); ++line) {
             const std::optional<double> at = cross_face(lines[line], p);
             if (!at) continue;

@@ -127,4 +127,15 @@ template <int D>
 DiametralBall<D> diametral_ball(const Vec<D>& a, const Vec<D>& b);
 DiametralBall<3> diametral_ball(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c);
 
+/// The normal of a simplex's face that points to the corner `inside`, as long as twice the face's measure (in the
+/// plane: as the edge). Its side is exact: simplices may be flat but for rounding.
+inline Vec<2> inward_normal(const std::array<Vec<2>, 2>& face, const Vec<2>& inside) {
+  const Vec<2> normal = {face[0][1] - face[1][1], face[1][0] - face[0][0]};
+  return certain_orientation(face[0], face[1], inside).sign < 0 ? -normal : normal;
+}
+inline Vec<3> inward_normal(const std::array<Vec<3>, 3>& face, const Vec<3>& inside) {
+  const Vec<3> normal = cross(face[1] - face[0], face[2] - face[0]);
+  return certain_orientation(face[0], face[1], face[2], inside).sign < 0 ? -normal : normal;
+}
+
 }  // namespace voropack::judge

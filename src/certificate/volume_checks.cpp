@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "certificate/checks.h"
 #include "certificate/dual_sample.h"
+#include "certificate/geometry.h"
 
 namespace voropack::judge {
 
@@ -81,15 +82,11 @@ double corner_share(const Subject<D>& subject, const std::array<std::uint32_t, D
 /// The unit normal of boundary face `face` that points away from `inside`.
 template <int D>
 Vec<D> outward_normal(const Subject<D>& subject, const std::array<std::uint32_t, D>& face, const Vec<D>& inside) {
-  const Vec<D> u = subject.point(face[1]) - subject.point(face[0]);
-  Vec<D> normal;
-  if constexpr (D == 2)
-    normal = {u[1], -u[0]};
-  else
-    normal = cross(u, subject.point(face[2]) - subject.point(face[0]));
-  if (dot(normal, inside - subject.point(face[0])) > 0) normal = -normal;
+  std::array<Vec<D>, D> corners;
+  for (std::size_t i = 0; i < D; ++i) corners[i] = subject.point(face[i]);
+  const Vec<D> normal = inward_normal(corners, inside);
   const double length = norm(normal);
-  return length > 0 ? normal / length : Vec<D>{};
+  return length > 0 ? normal / -length : Vec<D>{};
 }
 
 template <int D>

@@ -1,7 +1,11 @@
 // The certificate's checks of control volumes: each tampered number is found and named.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "geom/predicates.h"
 #include "support/certificate_case.h"
+#include "support/delaunay_mesh.h"
 
 namespace voropack {
 namespace {
@@ -125,6 +129,31 @@ TYPED_TEST(CertificateVolumes, FindsArraysOfDifferentLength) {
   CertificateCase<D> c = golden<D>();
   c.volumes.face_area.raw().pop_back();
   expect_rejected(c, "dual_nonnegative", "differ in length");
+}
+
+/// Corners of a planar quadrilateral with rounded coordinates: a simplex of 1e-19, which products of doubles see from
+/// the wrong side. Its faces 0 and 2 are on the boundary, on its faces 1 and 3 stand two simplices.
+TEST(CertificateVolumes3, SeeTheOuterSideOfASimplexThatIsFlatButForRounding) {
+  const auto v = [](std::size_t i) { return VertexId(i); };
+  CertificateCase<3> c;
+  for (const Vec<3>& x : {Vec<3>{-0.12656064911282922, 0.30554443555093475, -0.625},
+                          Vec<3>{-0.23385358667337133, 0.23385358667337136, -0.625},
+                          Vec<3>{-0.03901806440322564, 0.1961570560806461, -0.5},
+                          Vec<3>{-0.16629392246050909, 0.11111404660392044, -0.5}, Vec<3>{0, 0, -0.75}})
+    c.mesh.points.push_back(x);
+  for (const auto& corners :
+       {std::array{v(0), v(1), v(3), v(2)}, std::array{v(0), v(2), v(3), v(4)}, std::array{v(0), v(3), v(1), v(4)}}) {
+    const auto& x = c.mesh.points;
+    ASSERT_GT(orientation(x[corners[0]], x[corners[1]], x[corners[2]], x[corners[3]]), 0);
+    c.mesh.simplex_vertices.push_back(corners);
+    c.mesh.simplex_region.push_back(1);
+  }
+  test::connect(c.mesh);
+  for (auto& face : c.mesh.boundary_vertices)
+    if (std::ranges::is_permutation(face, std::array{v(1), v(2), v(3)})) face = {v(3), v(1), v(2)};
+  test::refresh(c);
+  const Certificate certificate = certify(c.mesh, c.volumes);
+  EXPECT_TRUE(test::check_named(certificate, "closure").ok) << test::summary(certificate);
 }
 
 }  // namespace
