@@ -9,6 +9,7 @@
 #include "geom/box_tree.h"
 #include "geom/circumcenter.h"
 #include "geom/kernel.h"
+#include "geom/polytope_distance.h"
 #include "mesh/parallel_rows.h"
 #include "packing/stretched.h"
 #include "spheres/packing_problem.h"
@@ -25,17 +26,6 @@ constexpr int kMaxRounds = 20;
 constexpr double kShrink = 0.7;
 /// What rounding may make of a length.
 constexpr double kSlack = 1e-9;
-
-/// Squared distance between boxes, 0 if they overlap.
-template <int D>
-double distance_sq(const Box<D>& a, const Box<D>& b) {
-  double sum = 0;
-  for (int k = 0; k < D; ++k) {
-    const double gap = std::max({a.lo[k] - b.hi[k], 0.0, b.lo[k] - a.hi[k]});
-    sum += gap * gap;
-  }
-  return sum;
-}
 
 template <int D>
 class Completer {
@@ -134,8 +124,7 @@ class Completer {
                    tree_.for_each_below(
                        [&](const auto& node) {
                          return !is_near && node.value < below &&
-                                node.value + lipschitz_ * (1 - kSlack) * std::sqrt(distance_sq(node.box, box)) <
-                                    largest;
+                                node.value + lipschitz_ * (1 - kSlack) * box_distance(node.box, box) < largest;
                        },
                        [&](std::uint32_t) { is_near = true; });
                    if (!is_near) return;

@@ -196,8 +196,10 @@ IdVector<VertexId, double> transfer(const Mesh<D>& from, const IdVector<VertexId
       sum += weights.values[k] * values[VertexId(weights.columns[k])];
     result[VertexId(row)] = sum;
   });
-  if (options.conserve) require_cover(to, from);  // Else the integrals are over different domains.
-  if (options.conserve) conserve(from, values, to, old_vertex, result);
+  if (options.conserve) {
+    require_cover(to, from);  // Else the integrals are over different domains.
+    conserve(from, values, to, old_vertex, result);
+  }
   return result;
 }
 
